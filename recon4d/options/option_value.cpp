@@ -29,7 +29,7 @@ const Suffixes& suffixes(Unit unit) {
       count = {{"k", 1e3}, {"m", 1e6}, {"g", 1e9}},
       bytes = {{"b", 1},   {"k", 1e3},  {"kb", 1e3},      {"m", 1e6},       {"mb", 1e6},
                {"g", 1e9}, {"gb", 1e9}, {"kib", 1 << 10}, {"mib", 1 << 20}, {"gib", 1 << 30}},
-      seconds = {{"s", 1}, {"m", 60}, {"h", 3600}};
+      seconds = {{"ms", 1e-3}, {"s", 1}, {"m", 60}, {"h", 3600}};
   switch (unit) {
     case Unit::kCount:
       return count;
@@ -46,7 +46,12 @@ bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 
-/// A number and the letters after it; moves `cursor` past both.
+const char* skip_blanks(const char* cursor, const char* end) {
+  while (cursor != end && *cursor == ' ') ++cursor;
+  return cursor;
+}
+
+/// A number and the letters after it, with or without blanks between; moves `cursor` past both.
 std::optional<double> parse_term(const char*& cursor, const char* end, Unit unit,
                                  bool& has_suffix) {
   double number = 0;
@@ -54,7 +59,9 @@ std::optional<double> parse_term(const char*& cursor, const char* end, Unit unit
   const auto [after, error] = std::from_chars(cursor + (plus ? 1 : 0), end, number);
   if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
   std::string letters;
-  for (cursor = after; cursor != end && is_letter(*cursor); ++cursor)
+  const char* const word = skip_blanks(after, end);
+  for (cursor = word != end && is_letter(*word) ? word : after; cursor != end && is_letter(*cursor);
+       ++cursor)
     letters += char(*cursor >= 'A' && *cursor <= 'Z' ? *cursor - 'A' + 'a' : *cursor);
   has_suffix = !letters.empty();
   if (!has_suffix) return number;
@@ -92,6 +99,7 @@ std::optional<double> parse_quantity(const std::string& text, Unit unit) {
   // 1h30m: every part has its unit
   while (sum && cursor != end) {
     if (unit != Unit::kSeconds || !has_suffix) return std::nullopt;
+    cursor = skip_blanks(cursor, end);
     const std::optional<double> next = parse_term(cursor, end, unit, has_suffix);
     if (!next || !has_suffix) return std::nullopt;
     sum = *sum + *next;

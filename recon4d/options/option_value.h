@@ -22,12 +22,13 @@ enum class Unit {
   kNone,
   kCount,    // k, M, G: powers of 1,000
   kBytes,    // k, M, G, kB, MB, GB: powers of 1,000; KiB, MiB, GiB: of 1,024
-  kSeconds,  // h, m, s, also together: 1h30m
+  kSeconds,  // h, m, s, ms, also together: 1h30m
   kWorld     // world units: none
 };
 
 /// The number that `text` states, as "1500", "1.5k" or "5MB"; none where it is not one of this
-/// unit. Letters count without regard to case, but for m (minutes, not millions) in kSeconds.
+/// unit. Blanks may stand before the letters, which count without regard to case, but for m
+/// (minutes, not millions) in kSeconds.
 std::optional<double> parse_quantity(const std::string& text, Unit unit);
 
 /// What such a text may look like, for messages: "a number like 1500, 10k or 2M".

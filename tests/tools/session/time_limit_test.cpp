@@ -16,7 +16,7 @@ TEST(TimeLimit, ReadsDurations) {
   EXPECT_EQ(parse_duration("90m"), 5400);
   EXPECT_EQ(parse_duration("2h"), 7200);
   EXPECT_EQ(parse_duration("1h30m"), 5400);
-  for (const char* text : {"", "0", "-3", "2d", "h", "1h30", "1:30:00", "inf", "nan", "2 h"})
+  for (const char* text : {"", "0", "-3", "2d", "h", "1h30", "1:30:00", "inf", "nan", "2 d"})
     EXPECT_THROW(parse_duration(text), InputError) << text;
 }
 
