@@ -74,8 +74,9 @@ def command(run, scene, variant, seed, deterministic, forecast, out_of_memory):
     if state == now and os.path.exists(checkpoint):
         return ["--resume", *session]
     os.makedirs(run, exist_ok=True)
-    if os.path.exists(checkpoint):
-        os.remove(checkpoint)  # before its description changes
+    for file in (checkpoint, os.path.join(run, "model.ply")):
+        if os.path.exists(file):
+            os.remove(file)  # before its description changes; without a model it is trained in place
     records.write(state_file, now)
     options = {**variant.given(), **reduced, "seed": str(seed),
                "deterministic": "true" if deterministic else "false"}

@@ -41,15 +41,6 @@ Split split_of(const std::string& name) {
   return Split::kTrain;
 }
 
-/// Whether the run folder holds the begun training of this run, or one of its options by hand.
-bool can_resume(const RunFolder& folder, const TrainRequest& request) {
-  if (!folder.exists() || !fs::exists(folder.checkpoint())) return false;
-  const std::string made_for = folder.made_for();
-  if (!made_for.empty() && made_for != request.made_for) return false;
-  const json config = json::parse(read_text_file(folder.config()), nullptr, false);
-  return config.is_object() && config.value("asked_options", json()) == to_json(request.options);
-}
-
 TrainRequest request_of(const BenchRunOptions& options, const BenchRun& run,
                         const RunFolder& folder) {
   TrainRequest request;
@@ -65,7 +56,7 @@ TrainRequest request_of(const BenchRunOptions& options, const BenchRun& run,
   request.evaluate_end = false;
   request.overwrite = true;
   request.made_for = run_fingerprint(run);
-  request.resume = can_resume(folder, request);
+  request.resume = can_resume(request, folder);
   request.shipped_bytes = shipped_bytes_of(folder.root.string());
   return request;
 }

@@ -1,8 +1,10 @@
 // `tessera train`: options from preset, ablation, --config and command line, in that order.
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -16,35 +18,82 @@
 #include "tools/cli/training_terminal.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
+#include "tools/export/run_successor.h"
 #include "tools/live/live_training.h"
 #include "tools/live/view_child.h"
+#include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/time_limit.h"
 #include "tools/session/train_session.h"
+#include "tools/session/train_start.h"
 #include "tools/view/view_server.h"
 
 namespace tessera {
 namespace {
 
-/// The last line of a training that left before its end; "" for one that has ended.
-std::string stopped_text(const TrainRequest& request, const nlohmann::json& result) {
+namespace fs = std::filesystem;
+
+/// The last line of a training that left before its end; "" for one that has ended. `place`: the
+/// run folder that was named, which differs from that of the request for a successor.
+std::string stopped_text(const TrainRequest& request, const fs::path& place,
+                         const nlohmann::json& result) {
   if (result["finished"].get<bool>()) return "";
-  return fmt::format("\nstopped after {} of {} steps; resume with: tessera train {} -o {} --resume",
-                     result["iterations"].get<int64_t>(), result["total_iterations"].get<int64_t>(),
-                     request.scene.string(), request.run.string());
+  const std::string how =
+      request.run == place
+          ? fmt::format("resume with: tessera train {} -o {} --resume", request.scene.string(),
+                        place.string())
+          : fmt::format(
+                "{} keeps its earlier result; repeat the command with --overwrite to resume",
+                place.string());
+  return fmt::format("\nstopped after {} of {} steps; {}", result["iterations"].get<int64_t>(),
+                     result["total_iterations"].get<int64_t>(), how);
+}
+
+/// Completes a move of a successor that was cut off.
+void complete_move(const fs::path& place, TrainingTerminal& terminal) {
+  if (!fs::exists(place / kNext)) return;
+  const RunLock lock(place, terminal);
+  finish_training_move(place);
+}
+
+/// Where --overwrite would replace a model: the request becomes that of its successor in RUN/next,
+/// which resumes what is there of the same options.
+void train_beside(TrainRequest& request) {
+  request.run /= kNext;
+  request.resume = can_resume(request, RunFolder{request.run});
+}
+
+/// A complete successor takes its place, and the results name it there.
+void take_place(const TrainRequest& request, const fs::path& place, nlohmann::json& result) {
+  move_training(request.run, place);
+  result["model"] = RunFolder{place}.model().string();
+  if (!result["exposure"].is_null())
+    result["exposure"]["file"] = RunFolder{place}.exposure().string();
 }
 
 /// The exit code.
 int train_and_report(TrainRequest request, bool as_json, bool with_view) {
   try {
     TrainingTerminal terminal;
+    const fs::path place = request.run;
+    complete_move(place, terminal);
+    const bool succeeds =
+        request.overwrite && !request.resume && fs::exists(RunFolder{place}.model());
+    std::optional<RunLock> lock;  // a training without a successor takes it itself
+    if (succeeds) {
+      lock.emplace(place, terminal);
+      train_beside(request);
+    }
     std::unique_ptr<ViewChild> view;
-    LiveTraining live(terminal, request.run, [&] {
-      if (with_view) view = std::make_unique<ViewChild>(request.run);
-    });
-    request.snapshots = &live;
-    const nlohmann::json result = train_session(request, live);
-    print_result(as_json, result, training_text(result) + stopped_text(request, result));
+    nlohmann::json result = [&] {
+      LiveTraining live(terminal, request.run, [&] {
+        if (with_view) view = std::make_unique<ViewChild>(request.run);
+      });
+      request.snapshots = &live;
+      return succeeds ? train_or_restart(request, live) : train_session(request, live);
+    }();
+    if (succeeds && result["finished"].get<bool>()) take_place(request, place, result);
+    print_result(as_json, result, training_text(result) + stopped_text(request, place, result));
     if (view) view->serve();
     if (interrupted()) return stop_code();
     return result["left"].get<bool>() ? kExitNotFinished : kExitDone;
@@ -71,7 +120,8 @@ void add_train_command(CLI::App& app, Work& work) {
   command.add_option("-o,--out", parsed->request.run, "run folder")->required();
   command.add_flag("--resume", parsed->request.resume,
                    "resume from the checkpoint of the run folder, with its options");
-  command.add_flag("--overwrite", parsed->request.overwrite, "replace the run that is there");
+  command.add_flag("--overwrite", parsed->request.overwrite,
+                   "replace the run that is there once the new one is complete");
   command.add_option("--stop-after", parsed->stop_after,
                      "steps of this call; training then stops with a checkpoint; 0: all");
   command.add_option("--time-limit", parsed->time_limit,

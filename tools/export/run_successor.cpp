@@ -1,8 +1,10 @@
 // Entry by entry: the old one is renamed to OUT/previous, the new one to OUT. A move has begun
-// where OUT/next/complete is there, which names that folder; doing it again does what is left.
+// where OUT/next/complete is there, which names that folder; doing it again does what is left. Of a
+// training the model is moved first: without it in RUN/next, the old files are gone already.
 #include "tools/export/run_successor.h"
 
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "ingest/files/atomic_file.h"
 #include "tools/session/run_folder.h"
@@ -80,6 +82,26 @@ void move_successor(const fs::path& from, const fs::path& out) {
 
 void finish_move(const fs::path& out) {
   if (fs::exists(out / kNext / kComplete)) move_successor(out / kNext, out);
+}
+
+void move_training(const fs::path& from, const fs::path& run) {
+  const RunFolder made{from}, place{run};
+  const fs::path marker = from / kComplete;
+  if (!fs::exists(marker)) write_text_file(marker, "");
+  if (fs::exists(made.model())) {
+    place.remove_files();
+    rename_or_fail(made.model(), place.model());
+  }
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(from))
+    if (entry.is_regular_file() && entry.path() != marker) files.push_back(entry.path());
+  for (const fs::path& file : files) rename_or_fail(file, run / file.filename());
+  std::error_code ignored;
+  fs::remove_all(from, ignored);
+}
+
+void finish_training_move(const fs::path& run) {
+  if (fs::exists(run / kNext / kComplete)) move_training(run / kNext, run);
 }
 
 }  // namespace tessera

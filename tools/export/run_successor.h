@@ -1,11 +1,11 @@
-// The successor of a finished run: it is made in a folder of its own, so that the finished one
-// stays whole until the new one is complete, and then takes its place.
+// The successor of a finished run or training: it is made in a folder of its own, so that the
+// finished one stays whole until the new one is complete, and then takes its place.
 #pragma once
 #include <filesystem>
 
 namespace tessera {
 
-/// Of the folder in OUT in which a successor is made.
+/// Of the folder in OUT, or in the run folder of `tessera train`, in which a successor is made.
 inline constexpr const char* kNext = "next";
 
 /// Moves what the successor `from` of a `tessera run` has (scene, run, stages.json) to `out`, in
@@ -15,5 +15,13 @@ void move_successor(const std::filesystem::path& from, const std::filesystem::pa
 
 /// Completes a move that was cut off; nothing where there was none.
 void finish_move(const std::filesystem::path& out);
+
+/// Moves all files of a training from its folder `from` to `run`, in the place of those of the
+/// training there. Files that Tessera did not write stay. What is cut off is completed by
+/// finish_training_move. Errors: WriteError.
+void move_training(const std::filesystem::path& from, const std::filesystem::path& run);
+
+/// Completes a move of a training that was cut off; nothing where there was none.
+void finish_training_move(const std::filesystem::path& run);
 
 }  // namespace tessera

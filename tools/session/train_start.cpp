@@ -11,6 +11,7 @@
 #include "ingest/checks/cloud_health.h"
 #include "ingest/checks/colour_gains.h"
 #include "ingest/cloud/initial_cloud.h"
+#include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
@@ -87,6 +88,14 @@ std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunF
         "{}: holds a run already; pass --resume to go on with it or --overwrite to replace it",
         root));
   return std::nullopt;
+}
+
+bool can_resume(const TrainRequest& request, const RunFolder& run) {
+  if (!run.exists() || !std::filesystem::exists(run.checkpoint())) return false;
+  const std::string made_for = run.made_for();
+  if (!made_for.empty() && made_for != request.made_for) return false;
+  const json config = json::parse(read_text_file(run.config()), nullptr, false);
+  return config.is_object() && config.value("asked_options", json()) == to_json(request.options);
 }
 
 json make_config(const TrainRequest& request, const PlannedOptions& planned, const Scene& scene,

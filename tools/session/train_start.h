@@ -48,6 +48,10 @@ bool resolve_motion(Backend& backend, const Scene& scene,
 /// Errors: InputError: nothing to resume; a run is there that may not be replaced.
 std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run);
 
+/// Whether `run` holds a checkpoint of the begun training of `request`: of these options, and made
+/// for the same caller or by hand.
+bool can_resume(const TrainRequest& request, const RunFolder& run);
+
 /// config.json: versions, options, scene, device.
 nlohmann::json make_config(const TrainRequest& request, const PlannedOptions& planned,
                            const Scene& scene, const std::string& device);

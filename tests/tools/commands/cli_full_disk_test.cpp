@@ -130,8 +130,11 @@ TEST_F(CliFullDisk, TrainingFromTheBeginning) {
   const Words anew = work.train_arguments("disk/run", {"--seed", "2", "--overwrite"});
   EXPECT_FALSE(succeeds_with(0, anew));
   EXPECT_TRUE(tree("disk/run") == before);
-  for (const int64_t room : {1, 2, 8})  // config.json is the new one now
+  const std::string model = work.read("disk/run/model.ply");
+  for (const int64_t room : {1, 2, 8}) {
     if (succeeds_with(room * kPage, anew)) break;
+    EXPECT_TRUE(work.read("disk/run/model.ply") == model);
+  }
   ASSERT_EQ(work.train("whole", {"--seed", "2"}).exit_code, 0);
   ASSERT_EQ(work.run(anew).exit_code, 0);
   EXPECT_EQ(work.read("disk/run/model.ply"), work.read("whole/model.ply"));

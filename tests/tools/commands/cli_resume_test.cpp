@@ -274,5 +274,53 @@ TEST_F(CliResume, AFailedRestartCostsNothing) {
   EXPECT_EQ(work.read("run/config.json"), config);
 }
 
+// Bugs put back, each seen to fail: the old result removed when the new training begins; the
+// replacement restarts when the command is repeated; it is made in RUN/next and stays there.
+TEST_F(CliResume, AReplacementTakesItsPlaceWhenItIsComplete) {
+  ASSERT_EQ(train("whole", {"--seed", "7"}).exit_code, 0);
+  ASSERT_EQ(train("run").exit_code, 0);
+  work.write("run/metrics.json", "{}");
+  work.write("run/notes.txt", "of somebody");
+  const std::string model = work.read("run/model.ply"),
+                    checkpoint = work.read("run/checkpoint.ckpt");
+  const ChildResult stopped = train("run", {"--seed", "7", "--overwrite", "--stop-after", "9"});
+  ASSERT_EQ(stopped.exit_code, 0) << stopped.err;
+  EXPECT_NE(stopped.out.find("stopped after 9 of 20 steps; " + work.at("run") +
+                             " keeps its earlier result; repeat the command with --overwrite"),
+            std::string::npos)
+      << stopped.out;
+  EXPECT_TRUE(work.read("run/model.ply") == model);
+  EXPECT_TRUE(work.read("run/checkpoint.ckpt") == checkpoint);
+  EXPECT_TRUE(fs::exists(work / "run/metrics.json"));
+  const ChildResult resumed = train("run", {"--seed", "7", "--overwrite", "--json"});
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_NE(resumed.err.find("initialised from checkpoint"), std::string::npos) << resumed.err;
+  EXPECT_EQ(nlohmann::json::parse(resumed.out)["model"], work.at("run/model.ply"));
+  EXPECT_TRUE(work.read("run/model.ply") == work.read("whole/model.ply"));
+  EXPECT_FALSE(fs::exists(work / "run/metrics.json")) << "of the old model";
+  EXPECT_FALSE(fs::exists(work / "run/next"));
+  EXPECT_EQ(work.read("run/notes.txt"), "of somebody");
+  EXPECT_EQ(resume("run", {"--iterations", "22"}).exit_code, 0);
+}
+
+// Bugs put back, each seen to fail: a replacement of other options is resumed; a move that was cut
+// off is not completed.
+TEST_F(CliResume, AReplacementThatWasCutOffIsOfItsOwnOptionsAndIsMovedWhole) {
+  ASSERT_EQ(train("whole", {"--seed", "8"}).exit_code, 0);
+  ASSERT_EQ(train("run").exit_code, 0);
+  ASSERT_EQ(train("run", {"--seed", "7", "--overwrite", "--stop-after", "9"}).exit_code, 0);
+  ASSERT_EQ(train("run", {"--seed", "8", "--overwrite"}).exit_code, 0);
+  EXPECT_TRUE(work.read("run/model.ply") == work.read("whole/model.ply"));
+  // as a kill leaves it that comes after the model was moved
+  fs::create_directory(work / "run/next");
+  for (const char* file : {"config.json", "checkpoint.ckpt", "log.jsonl"})
+    fs::rename(work / "run" / file, work / "run/next" / file);
+  work.write("run/next/complete", "");
+  const ChildResult again = resume("run");
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.err.find("finished at step 20 of 20"), std::string::npos) << again.err;
+  EXPECT_FALSE(fs::exists(work / "run/next"));
+}
+
 }  // namespace
 }  // namespace tessera::testing
