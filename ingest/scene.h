@@ -4,7 +4,10 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kernels/base/camera.h"
@@ -21,6 +24,30 @@ struct Image8 {
   std::vector<uint8_t> data;                // [height, width, channels]
 };
 
+/// Which pixels of a frame are used. Frames that are made with one mask file share its pixels.
+class FrameMask {
+ public:
+  FrameMask() = default;  // all pixels are used
+  /// `image`: one channel, 0: the pixel is ignored, 255: it is used; without data: of a scene whose
+  /// pixels are not loaded.
+  FrameMask(Image8 image) : image_(std::make_shared<const Image8>(std::move(image))) {}
+
+  /// [height, width], or empty where all pixels are used.
+  const std::vector<uint8_t>& data() const { return image().data; }
+  const Image8& image() const {
+    static const Image8 none;
+    return image_ ? *image_ : none;
+  }
+  bool ignores(int x, int y) const {
+    return !data().empty() && data()[size_t(y) * size_t(image_->width) + size_t(x)] == 0;
+  }
+  /// What frames that share their pixels have in common; null: all pixels are used.
+  const Image8* shared() const { return image_.get(); }
+
+ private:
+  std::shared_ptr<const Image8> image_;
+};
+
 struct Frame {
   std::string name;          // unique in the scene, e.g. "train/r_003" or "cam02/00017"
   std::string camera_name;   // physical camera: "cam02"; for monocular captures the split's name
@@ -31,8 +58,8 @@ struct Frame {
   int64_t timestep = -1;
   Split split = Split::kTrain;
   Camera camera;
-  Image8 image;  // RGB, composited once on Scene::background
-  Image8 mask;  // one channel, 0: the pixel is ignored, 255: it is used; without data: all are used
+  Image8 image;  // RGB, composited once on Scene::background; without data: not loaded
+  FrameMask mask;
 };
 
 struct PointCloud {
@@ -69,6 +96,13 @@ struct Scene {
     for (int i = 0; i < int(frames.size()); ++i)
       if (frames[i].split == split) indices.push_back(i);
     return indices;
+  }
+  /// How many timesteps the frames of a split have.
+  int64_t timesteps_of(Split split) const {
+    std::set<int64_t> timesteps;
+    for (const Frame& frame : frames)
+      if (frame.split == split) timesteps.insert(frame.timestep);
+    return int64_t(timesteps.size());
   }
   /// The camera of each training frame, in file order.
   std::vector<Camera> training_cameras() const {

@@ -63,9 +63,7 @@ std::optional<Patch> patch_of(const Frame& frame, const glm::dvec3& point) {
   const double u = camera.fl_x * p.x / p.z + camera.cx, v = camera.fl_y * p.y / p.z + camera.cy;
   if (!(u >= 0 && v >= 0 && u < frame.image.width && v < frame.image.height)) return std::nullopt;
   if (!has_patch(frame.image, int(u), int(v))) return std::nullopt;
-  if (!frame.mask.data.empty() &&
-      frame.mask.data[size_t(v) * size_t(frame.mask.width) + size_t(u)] == 0)
-    return std::nullopt;
+  if (frame.mask.ignores(int(u), int(v))) return std::nullopt;
   return patch_between(frame.image, u, v);
 }
 

@@ -26,13 +26,10 @@ constexpr float kDistinct = 1.15f;     // second valley ÷ best
 constexpr float kNoAgreement = 1e9f;
 constexpr double kSamePoint = 1.5;  // pixels between a point and where the other camera has it
 
-bool is_ignored(const Image8& mask, int x, int y) {
-  return !mask.data.empty() && mask.data[size_t(y) * size_t(mask.width) + size_t(x)] == 0;
-}
-
 /// A camera along another's ray: pixel position at inverse depth w of that ray, (a + w b) / z.
 struct Line {
-  const Image8 *image, *mask;
+  const Image8* image;
+  const FrameMask* mask;
   const GreyImage* grey;
   const Camera* camera;
   int frame;
@@ -45,7 +42,7 @@ struct Line {
     u = camera->fl_x * p.x / p.z + camera->cx;
     v = camera->fl_y * p.y / p.z + camera->cy;
     if (!(u >= 0 && v >= 0 && u < image->width && v < image->height)) return false;
-    return has_patch(*image, int(u), int(v)) && !is_ignored(*mask, int(u), int(v));
+    return has_patch(*image, int(u), int(v)) && !mask->ignores(int(u), int(v));
   }
 };
 
@@ -169,7 +166,7 @@ void PlaneSweep::choose_neighbours(const std::vector<int>& frames) {
 
 std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y) const {
   const Frame& frame = scene_.frames[size_t(index)];
-  if (!has_patch(frame.image, x, y) || is_ignored(frame.mask, x, y)) return std::nullopt;
+  if (!has_patch(frame.image, x, y) || frame.mask.ignores(x, y)) return std::nullopt;
   Search search;
   search.patch = patch_at(frame.image, x, y);
   search.grey = grey_patch_at(grey_.at(index), x, y);

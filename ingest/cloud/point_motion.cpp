@@ -35,8 +35,7 @@ std::optional<Projection> project(const Camera& camera, const glm::dvec3& point)
 }
 
 bool is_used(const Frame& frame, double u, double v) {
-  return frame.mask.data.empty() ||
-         frame.mask.data[size_t(v) * size_t(frame.mask.width) + size_t(u)] != 0;
+  return !frame.mask.ignores(int(u), int(v));
 }
 
 /// The window around where the camera has the point, none outside the image or its mask.

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
+#include <mutex>
 
 #include "ingest/clocks/timesteps.h"
 #include "ingest/files/png.h"
@@ -28,28 +30,54 @@ void require_png(const std::filesystem::path& file, const std::string& where) {
       file.filename().string()));
 }
 
-/// The frame's mask, or without pixels its size, for an image of width × height.
-Image8 load_mask(const TransformsFrame& listed, int width, int height, bool load_pixels) {
-  require_png(listed.mask, listed.where);
-  const Image8 image = load_pixels ? read_png(listed.mask) : read_png_size(listed.mask);
-  check_mask_size(image, width, height, listed.mask);
-  return load_pixels ? mask_of_image(image, listed.mask) : Image8{};
-}
+/// The masks that frames name, each file read once.
+class MaskFiles {
+ public:
+  MaskFiles(const TransformsCapture& capture, bool load_pixels) : load_pixels_(load_pixels) {
+    for (const TransformsFrame& frame : capture.frames)
+      if (!frame.mask.empty()) files_.try_emplace(frame.mask);
+  }
+
+  /// Of a frame whose image is width × height; without pixels it has its size only. Threads may
+  /// call it at once.
+  FrameMask of(const TransformsFrame& listed, int width, int height) {
+    if (listed.mask.empty()) return {};
+    File& file = files_.at(listed.mask);
+    std::call_once(file.read, [&] {
+      require_png(listed.mask, listed.where);
+      if (load_pixels_)
+        file.mask = mask_of_image(read_png(listed.mask), listed.mask);
+      else
+        file.mask = read_png_size(listed.mask);
+    });
+    check_mask_size(file.mask.image(), width, height, listed.mask);
+    return file.mask;
+  }
+
+ private:
+  struct File {
+    std::once_flag read;
+    FrameMask mask;
+  };
+  const bool load_pixels_;
+  std::map<std::filesystem::path, File> files_;
+};
 
 /// Decodes and composites one frame, or reads its size only. True when it had alpha.
-bool load_frame(const TransformsFrame& listed, const SceneOptions& options, Frame& frame) {
+bool load_frame(const TransformsFrame& listed, const SceneOptions& options, bool with_pixels,
+                MaskFiles& masks, Frame& frame) {
   require_png(listed.image, listed.where);
   frame.name = listed.name;
   frame.camera_name = listed.camera_name;
   frame.frame_number = listed.frame_number;
   frame.split = listed.split;
   frame.camera = listed.camera;
-  Image8 image = options.load_pixels ? read_png(listed.image) : read_png_size(listed.image);
+  Image8 image = with_pixels ? read_png(listed.image) : read_png_size(listed.image);
   set_intrinsics(frame.camera, listed.intrinsics, image.width, image.height, listed.where);
-  if (!listed.mask.empty())
-    frame.mask = load_mask(listed, image.width, image.height, options.load_pixels);
+  frame.mask = masks.of(listed, image.width, image.height);
   const bool had_alpha = image.channels == 4;
-  if (options.load_pixels)
+  frame.image = {image.width, image.height, 3, {}};
+  if (with_pixels)
     frame.image = image.channels == 3 ? std::move(image) : composite_on(image, options.background);
   return had_alpha;
 }
@@ -98,6 +126,37 @@ void keep_held_out(TransformsCapture& capture, Clocks& clocks, int64_t count) {
   keep(capture, clocks, kept);
 }
 
+/// Whether all frames of a camera are seen from one place.
+bool stands_still(const TransformsCapture& capture, const std::string& camera) {
+  const Camera* first = nullptr;
+  for (const TransformsFrame& frame : capture.frames) {
+    if (frame.camera_name != camera) continue;
+    if (first != nullptr && !(frame.camera == *first)) return false;
+    first = &frame.camera;
+  }
+  return true;
+}
+
+/// [frames] whether a frame's pixels are loaded.
+std::vector<bool> frames_with_pixels(const TransformsCapture& capture,
+                                     const SceneOptions& options) {
+  std::vector<bool> loaded(capture.frames.size(), options.load_pixels);
+  if (!options.load_pixels || !options.pixels_of) return loaded;
+  const std::vector<Split>& splits = *options.pixels_of;
+  std::map<std::string, bool> whole;  // by name of the camera
+  for (size_t i = 0; i < loaded.size(); ++i) {
+    const TransformsFrame& frame = capture.frames[i];
+    loaded[i] = std::find(splits.begin(), splits.end(), frame.split) != splits.end();
+    if (loaded[i] && !whole.contains(frame.camera_name))
+      whole[frame.camera_name] = stands_still(capture, frame.camera_name);
+  }
+  for (size_t i = 0; i < loaded.size(); ++i) {
+    const auto camera = whole.find(capture.frames[i].camera_name);
+    if (camera != whole.end() && camera->second) loaded[i] = true;
+  }
+  return loaded;
+}
+
 /// Leaves the training frames of the timesteps of these numbers, in their order.
 void keep_timesteps(TransformsCapture& capture, Clocks& clocks,
                     const std::vector<int64_t>& numbers) {
@@ -115,9 +174,12 @@ void load_frames(const TransformsCapture& capture, const SceneOptions& options, 
   scene.frames.resize(count);
   std::vector<std::string> errors(count);
   std::atomic<bool> had_alpha{false};
+  const std::vector<bool> with_pixels = frames_with_pixels(capture, options);
+  MaskFiles masks(capture, options.load_pixels);
   parallel_for(int64_t(count), 1, [&](int64_t begin, int64_t end) {
     for (size_t i = size_t(begin); i < size_t(end); ++i) try {
-        if (load_frame(capture.frames[i], options, scene.frames[i])) had_alpha = true;
+        if (load_frame(capture.frames[i], options, with_pixels[i], masks, scene.frames[i]))
+          had_alpha = true;
       } catch (const InputError& error) {
         errors[i] = error.what();
       }

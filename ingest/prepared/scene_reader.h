@@ -14,7 +14,10 @@ namespace tessera {
 struct SceneOptions {
   std::array<uint8_t, 3> background{0, 0, 0};  // RGBA frames are composited on it, once, here
   bool allow_static = false;                   // accept times that are all equal as one timestep
-  bool load_pixels = true;                     // false: cameras, times and points only
+  bool load_pixels = true;                     // false: cameras, times, sizes and points only
+  // Pixels of these splits only, and of the other frames of their cameras that stand still, whose
+  // medians over time tell what moves.
+  std::optional<std::vector<Split>> pixels_of = {};
   // Times and numbers of timesteps stay those of the whole scene with any of these.
   // Only the training frames of these timesteps, by Frame::timestep.
   std::optional<std::vector<int64_t>> timesteps = {};

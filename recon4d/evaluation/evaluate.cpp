@@ -50,7 +50,7 @@ std::vector<int> scored_frames(const Scene& scene, Split split) {
     throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
                                  scene.path, split_name(split)));
   std::erase_if(indices, [&](int i) {
-    const std::vector<uint8_t>& mask = scene.frames[size_t(i)].mask.data;
+    const std::vector<uint8_t>& mask = scene.frames[size_t(i)].mask.data();
     return !mask.empty() && std::all_of(mask.begin(), mask.end(), [](uint8_t m) { return m == 0; });
   });
   if (indices.empty())
@@ -91,8 +91,8 @@ void add_means(EvaluationReport& report) {
 /// `drawn` where the mask of the frame uses it, the truth elsewhere.
 Image8 only_used(const Image8& drawn, const Frame& frame) {
   Image8 merged = drawn;
-  for (size_t i = 0; i < merged.data.size() && !frame.mask.data.empty(); ++i)
-    if (frame.mask.data[i / 3] == 0) merged.data[i] = frame.image.data[i];
+  for (size_t i = 0; i < merged.data.size() && !frame.mask.data().empty(); ++i)
+    if (frame.mask.data()[i / 3] == 0) merged.data[i] = frame.image.data[i];
   return merged;
 }
 
@@ -111,7 +111,7 @@ class MovingRegionMeter {
     for (RenderedImage& image : renderer_->render(views)) {
       const Frame& frame = scene.frames[size_t(*indices++)];
       image.rgb.resize(image.alpha.size());  // all channels are equal
-      score_->add(image.rgb, mask_(frame).data, frame.mask.data);
+      score_->add(image.rgb, mask_(frame).data, frame.mask.data());
     }
   }
   const std::optional<MovingRegionScore>& score() const { return score_; }

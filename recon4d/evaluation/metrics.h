@@ -23,7 +23,7 @@ double psnr_float(Span<const float> planar_rgb, const Image8& truth, Span<const 
 void check_pair(const Image8& a, const Image8& b);
 /// The mask of a frame, [height, width]; empty: it has none.
 inline Span<const uint8_t> used_mask(const Frame& frame) {
-  return {frame.mask.data.data(), int64_t(frame.mask.data.size())};
+  return {frame.mask.data().data(), int64_t(frame.mask.data().size())};
 }
 inline bool is_used(Span<const uint8_t> mask, size_t pixel) {
   return mask.empty() || mask[int64_t(pixel)] != 0;

@@ -60,7 +60,7 @@ void ScoringPass::draw(const FrameSample& sample, int64_t begin, int64_t end) {
     views_.push_back({frame.camera, frame.time, int32_t(frame.timestep)});
     if (sample.images.empty()) {
       target_.truth.push_back(bring(frame.image.data, truth_[size_t(i - begin)]));
-      target_.mask.push_back(bring(frame.mask.data, mask_[size_t(i - begin)]));
+      target_.mask.push_back(bring(frame.mask.data(), mask_[size_t(i - begin)]));
     } else {
       target_.truth.push_back(sample.images[size_t(i)]);
       target_.mask.push_back(sample.masks[size_t(i)]);

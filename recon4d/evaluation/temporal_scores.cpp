@@ -52,7 +52,7 @@ void FlickerMeter::take(const Frame& frame, const RenderedImage& image, Sums& su
   const size_t pixels = sums.used.size();
   for (size_t p = 0; p < pixels; ++p) {
     const bool was_used = sums.used[p] != 0;
-    if (!frame.mask.data.empty() && frame.mask.data[p] == 0) sums.used[p] = 0;
+    if (!frame.mask.data().empty() && frame.mask.data()[p] == 0) sums.used[p] = 0;
     if (!was_used) continue;
     for (size_t c = 0; c < 3; ++c) {
       const size_t i = c * pixels + p;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "kernels/base/camera_rig.h"
 #include "kernels/base/errors.h"
@@ -180,13 +179,10 @@ SceneFacts facts_of(const Scene& scene) {
   for (const Camera& camera : rig.cameras)
     facts.camera_pixels += int64_t(camera.width) * camera.height;
   std::map<std::string, int64_t> frames;  // by camera
-  std::set<int64_t> timesteps;
-  for (int i : scene.split_indices(Split::kTrain)) {
-    ++frames[scene.frames[size_t(i)].camera_name];
-    timesteps.insert(scene.frames[size_t(i)].timestep);
-  }
-  facts.single_view =
-      timesteps.size() > 1 && timesteps.size() == scene.split_indices(Split::kTrain).size();
+  const std::vector<int> training = scene.split_indices(Split::kTrain);
+  for (const int i : training) ++frames[scene.frames[size_t(i)].camera_name];
+  const int64_t timesteps = scene.timesteps_of(Split::kTrain);
+  facts.single_view = timesteps > 1 && timesteps == int64_t(training.size());
   for (const auto& [camera, count] : frames) facts.timesteps = std::max(facts.timesteps, count);
   facts.cameras = std::count_if(frames.begin(), frames.end(), [&](const auto& camera) {
     return 2 * camera.second >= facts.timesteps;

@@ -12,7 +12,7 @@ namespace tessera {
 namespace {
 
 int64_t counted_samples(const Frame& frame) {
-  const std::vector<uint8_t>& mask = frame.mask.data;
+  const std::vector<uint8_t>& mask = frame.mask.data();
   if (mask.empty()) return int64_t(frame.image.data.size());
   return 3 * int64_t(std::count_if(mask.begin(), mask.end(), [](uint8_t m) { return m != 0; }));
 }

@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -55,23 +58,38 @@ FrameCache::FrameCache(Memory& memory, const Scene& scene, std::vector<int> fram
   require_frames(scene_, frames_);
   check(masks_.empty() || masks_.size() == frames_.size(), "FrameCache: one mask a frame");
   if (&memory_ == &host_memory()) return;
-  int64_t all = 0, largest = 0;
-  for (int64_t i = 0; i < int64_t(frames_.size()); ++i) {
-    const int64_t bytes = bytes_of(i);
-    offset_.push_back(all);
-    all += bytes;
-    largest = std::max(largest, bytes);
-  }
+  std::vector<int64_t> all(frames_.size());
+  std::iota(all.begin(), all.end(), int64_t{0});
+  Layout layout = layout_of(all);
   const int64_t free_bytes = memory_.free_bytes();
-  if (all <= (budget > 0 ? budget : free_bytes - reserve_of(free_bytes))) {
-    upload_all();
+  if (layout.bytes > (budget > 0 ? budget : free_bytes - reserve_of(free_bytes))) {
+    set_up_ring(batch);
     return;
   }
-  place_ = Place::kRing;
-  for (int64_t i = 0; i < int64_t(frames_.size());
-       ++i) {  // so that a copy does not hold the host up
-    memory_.pin(frame(i).image.data.data(), frame(i).image.data.size());
-    if (!mask(i).empty()) memory_.pin(mask(i).data(), mask(i).size());
+  kept_ = Kept::kResident;
+  resident_.resize(layout.bytes);
+  copy(all, layout, resident_.data());
+  memory_.wait_copies();
+  places_ = std::move(layout.places);
+}
+
+FrameCache::~FrameCache() {
+  for (const uint8_t* pixels : pinned_) memory_.unpin(pixels);
+}
+
+void FrameCache::set_up_ring(int64_t batch) {
+  kept_ = Kept::kInRing;
+  std::set<const uint8_t*> known;
+  const auto pin = [&](const std::vector<uint8_t>& pixels) {  // so that a copy does not hold it up
+    if (pixels.empty() || !known.insert(pixels.data()).second) return;
+    memory_.pin(pixels.data(), pixels.size());
+    pinned_.push_back(pixels.data());
+  };
+  int64_t largest = 0;
+  for (int64_t i = 0; i < int64_t(frames_.size()); ++i) {
+    pin(frame(i).image.data);
+    pin(mask(i).data());
+    largest = std::max(largest, layout_of({i}).bytes);
   }
   for (int64_t i = 0; i < kSlots; ++i) {
     slots_.emplace_back(memory_);
@@ -79,65 +97,70 @@ FrameCache::FrameCache(Memory& memory, const Scene& scene, std::vector<int> fram
   }
 }
 
-FrameCache::~FrameCache() {
-  if (place_ != Place::kRing) return;
-  for (int64_t i = 0; i < int64_t(frames_.size()); ++i) {
-    memory_.unpin(frame(i).image.data.data());
-    if (!mask(i).empty()) memory_.unpin(mask(i).data());
+FrameCache::Layout FrameCache::layout_of(const std::vector<int64_t>& indices) const {
+  Layout layout;
+  std::map<const Image8*, int64_t> masks;
+  const auto next = [&](const std::vector<uint8_t>& pixels) {
+    return std::exchange(layout.bytes, layout.bytes + aligned(pixels.size()));
+  };
+  for (const int64_t index : indices) {
+    Place place{next(frame(index).image.data), 0};
+    const FrameMask& mask = this->mask(index);
+    if (!mask.data().empty()) {
+      const auto known = masks.find(mask.shared());
+      place.mask = known != masks.end() ? known->second : next(mask.data());
+      masks[mask.shared()] = place.mask;
+    }
+    layout.places.push_back(place);
+  }
+  return layout;
+}
+
+void FrameCache::copy(const std::vector<int64_t>& indices, const Layout& layout, uint8_t* to) {
+  std::set<int64_t> masks;
+  for (size_t k = 0; k < indices.size(); ++k) {
+    const std::vector<uint8_t>&image = frame(indices[k]).image.data,
+          &mask = this->mask(indices[k]).data();
+    const Place place = layout.places[k];
+    memory_.copy_async_in(to + place.image, image.data(), image.size());
+    if (!mask.empty() && masks.insert(place.mask).second)
+      memory_.copy_async_in(to + place.mask, mask.data(), mask.size());
   }
 }
 
-int64_t FrameCache::bytes_of(int64_t index) const {
-  return aligned(frame(index).image.data.size()) + aligned(mask(index).size());
-}
-
-void FrameCache::append_copied(int64_t index, const uint8_t* bytes, TargetImages& fed) const {
-  const std::vector<uint8_t>& image = frame(index).image.data;
-  fed.images.push_back(span_of(bytes, image));
-  fed.masks.push_back(span_of(bytes + aligned(image.size()), mask(index)));
-}
-
-void FrameCache::copy_frame(int64_t index, uint8_t* to) {
-  const std::vector<uint8_t>&image = frame(index).image.data, &mask = this->mask(index);
-  memory_.copy_async_in(to, image.data(), image.size());
-  if (!mask.empty()) memory_.copy_async_in(to + aligned(image.size()), mask.data(), mask.size());
-}
-
-void FrameCache::upload_all() {
-  place_ = Place::kResident;
-  const auto count = int64_t(frames_.size());
-  resident_.resize(offset_.back() + bytes_of(count - 1));
-  for (int64_t i = 0; i < count; ++i) copy_frame(i, resident_.data() + offset_[size_t(i)]);
-  memory_.wait_copies();
+void FrameCache::append(int64_t index, const uint8_t* image, const uint8_t* mask,
+                        TargetImages& fed) const {
+  fed.images.push_back(span_of(image, frame(index).image.data));
+  fed.masks.push_back(span_of(mask, this->mask(index).data()));
 }
 
 TargetImages FrameCache::truth(const std::vector<int64_t>& indices) {
   TargetImages fed;
-  if (place_ == Place::kRing) {
+  if (kept_ == Kept::kInRing) {
     current_ = indices;
     if (find(indices) == nullptr) fill(slots_.front(), indices);
     memory_.wait_copies();
-    const uint8_t* bytes = std::as_const(find(indices)->bytes).data();
-    for (const int64_t index : indices) {
-      append_copied(index, bytes, fed);
-      bytes += bytes_of(index);
+    const Slot& slot = *find(indices);
+    for (size_t k = 0; k < indices.size(); ++k) {
+      const Place place = slot.layout.places[k];
+      append(indices[k], slot.bytes.data() + place.image, slot.bytes.data() + place.mask, fed);
     }
     return fed;
   }
+  const uint8_t* const resident = std::as_const(resident_).data();
   for (const int64_t index : indices) {
-    if (place_ == Place::kResident) {
-      append_copied(index, std::as_const(resident_).data() + offset_[size_t(index)], fed);
+    if (kept_ == Kept::kOnHost) {
+      append(index, frame(index).image.data.data(), mask(index).data().data(), fed);
       continue;
     }
-    const std::vector<uint8_t>& image = frame(index).image.data;
-    fed.images.push_back(span_of(image.data(), image));
-    fed.masks.push_back(span_of(mask(index).data(), mask(index)));
+    const Place place = places_[size_t(index)];
+    append(index, resident + place.image, resident + place.mask, fed);
   }
   return fed;
 }
 
 void FrameCache::prefetch(const std::vector<std::vector<int64_t>>& upcoming) {
-  if (place_ != Place::kRing) return;
+  if (kept_ != Kept::kInRing) return;
   const auto wanted = [&](const Slot& slot) {
     return slot.indices == current_ ||
            std::find(upcoming.begin(), upcoming.end(), slot.indices) != upcoming.end();
@@ -157,24 +180,30 @@ FrameCache::Slot* FrameCache::find(const std::vector<int64_t>& indices) {
 }
 
 void FrameCache::fill(Slot& slot, const std::vector<int64_t>& indices) {
-  uint8_t* cursor = slot.bytes.data();
   slot.indices = indices;
-  for (const int64_t index : indices) {
-    copy_frame(index, cursor);
-    cursor += bytes_of(index);
-  }
+  slot.layout = layout_of(indices);
+  copy(indices, slot.layout, slot.bytes.data());
 }
 
 FrameMasks moving_masks(const Scene& scene, const std::vector<int>& frames) {
   FrameMasks masks;
+  std::map<const Image8*, FrameMask> of_moving_cameras;  // by the masks that their frames share
   DynamicRegions regions(scene, DynamicRegions::Of::kTrainingFrames);
   for (const int place : frames) {
     const Frame& frame = scene.frames[size_t(place)];
-    const Span<const uint8_t> frame_mask = used_mask(frame);
-    std::vector<uint8_t>& mask = masks.emplace_back(regions.mask_of(frame));
-    if (mask.empty() && !frame_mask.empty()) mask.assign(size_t(frame_mask.size), 0);
-    for (size_t p = 0; p < mask.size(); ++p)
-      mask[p] = !is_used(frame_mask, p) ? 0 : mask[p] != 0 ? kMovingPixel : 1;
+    const Span<const uint8_t> used = used_mask(frame);
+    const std::vector<uint8_t> moves = regions.mask_of(frame);
+    FrameMask* const same = moves.empty() ? &of_moving_cameras[frame.mask.shared()] : nullptr;
+    if (same != nullptr && (used.empty() || !same->data().empty())) {
+      masks.push_back(*same);
+      continue;
+    }
+    Image8 mask{frame.image.width, frame.image.height, 1, {}};
+    mask.data.resize(moves.empty() ? size_t(used.size) : moves.size());
+    for (size_t p = 0; p < mask.data.size(); ++p)
+      mask.data[p] = !is_used(used, p) ? 0 : !moves.empty() && moves[p] != 0 ? kMovingPixel : 1;
+    masks.emplace_back(std::move(mask));
+    if (same != nullptr) *same = masks.back();
   }
   return masks;
 }

@@ -15,8 +15,8 @@ struct TargetImages {
   std::vector<Span<const uint8_t>> masks;   // [B] each [height, width], or empty: no mask
 };
 
-/// [frames] masks of frames, each [height, width] or empty.
-using FrameMasks = std::vector<std::vector<uint8_t>>;
+/// [frames] masks of frames.
+using FrameMasks = std::vector<FrameMask>;
 
 /// Places of the training frames in a scene. Errors: InputError: there are none.
 std::vector<int> training_frames(const Scene& scene);
@@ -36,34 +36,41 @@ class FrameCache {
   TargetImages truth(const std::vector<int64_t>& indices);
 
   /// Whether every frame lies on a device for as long as the cache does.
-  bool is_resident() const { return place_ == Place::kResident; }
+  bool is_resident() const { return kept_ == Kept::kResident; }
   /// The number of batches that `prefetch` takes.
-  int64_t ahead() const { return place_ == Place::kRing ? kSlots - 1 : 0; }
+  int64_t ahead() const { return kept_ == Kept::kInRing ? kSlots - 1 : 0; }
   /// Begins to bring over the batches of the next steps, over those of steps before the one whose
   /// `truth` was asked for last. These must be done: call it after the forward pass of that step.
   void prefetch(const std::vector<std::vector<int64_t>>& upcoming);
 
  private:
-  enum class Place { kHost, kResident, kRing };
+  enum class Kept { kOnHost, kResident, kInRing };
+  struct Place {
+    int64_t image, mask;  // byte offsets in one buffer
+  };
   static constexpr int64_t kSlots = 3;  // this step's, the next one's, and the one being filled
 
+  /// Images one behind another, each mask once, in one buffer.
+  struct Layout {
+    std::vector<Place> places;  // of the frames that it was made for
+    int64_t bytes = 0;
+  };
   struct Slot {
     explicit Slot(Memory& memory) : bytes(memory) {}
     std::vector<int64_t> indices;
+    Layout layout;  // of these
     Buffer<uint8_t> bytes;
   };
 
   const Frame& frame(int64_t index) const { return scene_.frames[size_t(frames_[size_t(index)])]; }
-  const std::vector<uint8_t>& mask(int64_t index) const {
-    return masks_.empty() ? frame(index).mask.data : masks_[size_t(index)];
+  const FrameMask& mask(int64_t index) const {
+    return masks_.empty() ? frame(index).mask : masks_[size_t(index)];
   }
-  /// What a frame takes: its mask lies behind its image.
-  int64_t bytes_of(int64_t index) const;
-  /// A frame that copy_frame copied to `bytes`.
-  void append_copied(int64_t index, const uint8_t* bytes, TargetImages& fed) const;
-  void upload_all();
-  /// Begins to bring a frame over to `to`: its image, then its mask.
-  void copy_frame(int64_t index, uint8_t* to);
+  Layout layout_of(const std::vector<int64_t>& indices) const;
+  /// Begins to bring frames over to `to`.
+  void copy(const std::vector<int64_t>& indices, const Layout& layout, uint8_t* to);
+  void append(int64_t index, const uint8_t* image, const uint8_t* mask, TargetImages& fed) const;
+  void set_up_ring(int64_t batch);
   Slot* find(const std::vector<int64_t>& indices);
   void fill(Slot& slot, const std::vector<int64_t>& indices);
 
@@ -71,16 +78,17 @@ class FrameCache {
   const Scene& scene_;
   std::vector<int> frames_;
   FrameMasks masks_;
-  Place place_ = Place::kHost;
+  Kept kept_ = Kept::kOnHost;
   Buffer<uint8_t> resident_;
-  std::vector<int64_t> offset_;  // [frames] of each in `resident_`
+  std::vector<Place> places_;  // [frames] in `resident_`
+  std::vector<const uint8_t*> pinned_;
   std::vector<Slot> slots_;
   std::vector<int64_t> current_;  // the last arguments of `truth`
 };
 
-/// [frames] each [height, width]: 0 where the frame's own mask ignores a pixel, kMovingPixel where
-/// it differs from the median over time of its camera, else 1. Empty where the camera moves or has
-/// fewer than three timesteps and the frame has no mask. `frames`: places in the scene.
+/// [frames] each 0 where the frame's own mask ignores a pixel, kMovingPixel where it differs from
+/// the median over time of its camera, else 1. Empty where the camera moves or has fewer than three
+/// timesteps and the frame has no mask. `frames`: places in the scene.
 FrameMasks moving_masks(const Scene& scene, const std::vector<int>& frames);
 
 }  // namespace tessera

@@ -190,7 +190,7 @@ std::array<float, 3> mean_colour(const Scene& scene) {
   for (const int f : scene.split_indices(Split::kTrain)) {
     const Frame& frame = scene.frames[size_t(f)];
     for (size_t p = 0; p < frame.image.data.size() / 3; ++p) {
-      if (!frame.mask.data.empty() && frame.mask.data[p] == 0) continue;
+      if (!frame.mask.data().empty() && frame.mask.data()[p] == 0) continue;
       for (size_t c = 0; c < 3; ++c) sum[c] += frame.image.data[3 * p + c] / 255.0;
       ++pixels;
     }

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -83,6 +85,17 @@ Camera limited_camera(const Camera& camera, int longest) {
   return camera.resized(scaled_side(camera.width, scale), scaled_side(camera.height, scale));
 }
 
+namespace {
+
+/// Where all pixels that it comes from are used.
+Image8 scaled_mask(const Image8& mask, int width, int height) {
+  Image8 scaled = averaged_image(mask, width, height);
+  for (uint8_t& used : scaled.data) used = used == 255 ? 255 : 0;
+  return scaled;
+}
+
+}  // namespace
+
 Frame scaled_frame(const Frame& frame, double scale) {
   check(scale > 0 && scale <= 1, "scaled_frame: a scale of at most 1");
   if (scale == 1) return frame;
@@ -95,17 +108,24 @@ Frame scaled_frame(const Frame& frame, double scale) {
                frame.timestep,
                frame.split,
                frame.camera.resized(width, height),
-               averaged_image(frame.image, width, height),
+               frame.image.data.empty() ? Image8{width, height, 3, {}}
+                                        : averaged_image(frame.image, width, height),
                {}};
-  if (frame.mask.data.empty()) return scaled;
-  scaled.mask = averaged_image(frame.mask, width, height);
-  for (uint8_t& used : scaled.mask.data) used = used == 255 ? 255 : 0;
+  if (!frame.mask.data().empty()) scaled.mask = scaled_mask(frame.mask.image(), width, height);
   return scaled;
 }
 
 Scene scaled_scene(Scene scene, double scale) {
-  if (scale != 1)
-    for (Frame& frame : scene.frames) frame = scaled_frame(frame, scale);
+  if (scale == 1) return scene;
+  std::map<const Image8*, FrameMask> masks;  // scaled, by those that frames share
+  for (Frame& frame : scene.frames) {
+    const FrameMask own = std::exchange(frame.mask, {});
+    frame = scaled_frame(frame, scale);
+    if (own.data().empty()) continue;
+    FrameMask& mask = masks[own.shared()];
+    if (mask.data().empty()) mask = scaled_mask(own.image(), frame.image.width, frame.image.height);
+    frame.mask = mask;
+  }
   return scene;
 }
 

@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -55,12 +54,6 @@ std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frame
   return views;
 }
 
-int64_t count_timesteps(const Scene& scene, const std::vector<int>& frames) {
-  std::set<int64_t> timesteps;
-  for (const int i : frames) timesteps.insert(scene.frames[size_t(i)].timestep);
-  return int64_t(timesteps.size());
-}
-
 }  // namespace
 
 TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source) {
@@ -95,7 +88,7 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       pipeline_(backend),
       gradients_{state_.model.static_set.like(backend.memory()),
                  state_.model.dynamic_set.like(backend.memory())},
-      timesteps_(count_timesteps(scene, train_frames_)),
+      timesteps_(scene.timesteps_of(Split::kTrain)),
       d_nodes_(backend.memory()),
       d_environment_(backend.memory()),
       exposed_(exposure_rows(scene, train_frames_, options_)) {

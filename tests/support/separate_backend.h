@@ -11,10 +11,12 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "kernels/backend.h"
+#include "kernels/base/errors.h"
 
 namespace tessera::testing {
 
@@ -50,6 +52,14 @@ class SeparateMemory final : public Memory {
     });
     late_.clear();
   }
+  /// Twice is refused, as a device does.
+  void pin(const void* begin, size_t) override {
+    check(pinned_.insert(begin).second, "these bytes are pinned already");
+  }
+  void unpin(const void* begin) override {
+    check(pinned_.erase(begin) == 1, "these bytes are not pinned");
+  }
+  size_t pinned() const { return pinned_.size(); }
   int64_t free_bytes() const override { return free; }
   int64_t peak_bytes() const override { return peak_; }
   void trim() override { buffers_at_trim.push_back(buffers()); }
@@ -80,6 +90,7 @@ class SeparateMemory final : public Memory {
   }
 
   std::map<void*, size_t> lengths_;
+  std::set<const void*> pinned_;
   std::vector<std::function<void()>> late_;
   int depth_ = 0;
   int64_t held_ = 0, peak_ = 0;  // bytes

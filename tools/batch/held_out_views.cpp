@@ -65,7 +65,7 @@ std::vector<HeldOutView> held_out_views(Backend& backend, const fs::path& run, i
     throw InputError(fmt::format("{}: its scene '{}' is gone, so that no view of it can be drawn",
                                  run.string(), path));
   const SceneLock in_use(path, SceneLock::Use::kRead);
-  const Scene scene = scaled_scene(scene_for(model, path, count), model.train_scale);
+  const Scene scene = scaled_scene(scene_for(model, path, {.held_out = count}), model.train_scale);
   make_folder(folder);
   json list = json::array();
   Renderer renderer(backend, model);

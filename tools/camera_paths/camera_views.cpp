@@ -149,11 +149,9 @@ Split parse_split(const std::string& name) {
 }
 
 Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
-                std::optional<int64_t> held_out) {
-  SceneOptions options;
+                SceneOptions options) {
   options.background = model.background;
   options.allow_static = true;
-  options.held_out = held_out;
   Scene scene = load_scene(path, options);
   for (Frame& frame : scene.frames) {
     frame.time = model_time(model, scene.time_axis, frame.time);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ingest/prepared/scene_reader.h"
 #include "recon4d/model/gaussian_set.h"
 #include "static3d/tessera4d/manifest.h"
 
@@ -45,9 +46,10 @@ std::vector<KeyFrame> read_key_frames(const std::filesystem::path& file, const s
 Split parse_split(const std::string& name);
 
 /// The scene with its images on the model's background, times and cameras those of the model.
-/// `held_out`: as SceneOptions. Errors: as load_scene.
+/// `options`: what of it is loaded; background and allow_static are set here. Errors: as
+/// load_scene.
 Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
-                std::optional<int64_t> held_out = {});
+                SceneOptions options = {});
 
 struct Rig {
   std::vector<PlayerCamera> cameras;  // in the model's world; each place once, at most 32

@@ -63,8 +63,12 @@ fs::path scene_path(const EvaluateRequest& request, const fs::path& model) {
                                run.config().string(), run.scene()));
 }
 
+std::vector<Split> requested_splits(const EvaluateRequest& request) {
+  return request.split.empty() ? kHeldOutSplits : std::vector{parse_split(request.split)};
+}
+
 std::vector<Split> chosen_splits(const EvaluateRequest& request, const Scene& scene) {
-  if (!request.split.empty()) return {parse_split(request.split)};
+  if (!request.split.empty()) return requested_splits(request);
   const std::vector<Split> splits = held_out_splits(scene);
   if (splits.empty())
     throw InputError(fmt::format(
@@ -195,7 +199,7 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   const fs::path folder = scene_path(request, path);
   if (!request.images.empty()) check_output_of_model(request.images, path, folder);
   const SceneLock in_use(folder, SceneLock::Use::kRead);
-  const Scene scene = scene_for(input.model, folder);
+  const Scene scene = scene_for(input.model, folder, {.pixels_of = requested_splits(request)});
   for (const std::string& warning : scene.warnings) warn(warning);
   const std::vector<Split> splits = chosen_splits(request, scene);
   json scores = score(request, input, scene, splits, lpips, backend);

@@ -19,6 +19,7 @@
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/scene_scale.h"
+#include "tools/camera_paths/camera_views.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/run_record.h"
@@ -134,7 +135,7 @@ class Runner {
     result["out"] = request_.out.string();
     result["stage_seconds"] = seconds_;
     result["total_seconds"] = seconds_since(begin_);
-    result["camera_path"] = camera_path_of(load_scene(scene_, scene_options(false)));
+    result["camera_path"] = camera_path_of(load_scene(scene_, scene_options()));
     return result;
   }
 
@@ -178,11 +179,12 @@ class Runner {
     ledger_ = StageLedger(root_ / "stages.json");
   }
 
-  SceneOptions scene_options(bool pixels) const {
-    return {parse_background(planned_.options.background),
-            planned_.options.motion == Motion::kNone,
-            pixels,
-            {}};
+  /// Of the cameras alone.
+  SceneOptions scene_options() const {
+    SceneOptions options;
+    options.allow_static = planned_.options.motion == Motion::kNone;
+    options.load_pixels = false;
+    return options;
   }
 
   bool ingest() {
@@ -278,7 +280,8 @@ class Runner {
   bool evaluate_model() {
     return do_stage(kEvaluate, of_training({}), run_.metrics(), [&] {
       const GaussianModel model = load_model(run_.model());
-      const Scene scene = scaled_scene(load_scene(scene_, scene_options(true)), model.train_scale);
+      const Scene scene =
+          scaled_scene(scene_for(model, scene_, {.pixels_of = kHeldOutSplits}), model.train_scale);
       const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
       ProgressBar bar("evaluate");
       const json scores = score_splits(

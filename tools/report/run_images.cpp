@@ -58,7 +58,7 @@ class ImageMaker {
     const Frame& frame = *frames_.at(report_.views[view].name);
     const RenderedImage image = renderer_.render({{frame.camera, frame.time}}).front();
     Triple made{frame.image, quantise(image.planar(), image.width, image.height), {}};
-    made.error = error_map(made.result, made.truth, frame.mask);
+    made.error = error_map(made.result, made.truth, frame.mask.image());
     return triples_.emplace(view, std::move(made)).first->second;
   }
 

@@ -70,8 +70,8 @@ RenderedRun load_run(const RunPlaces& places, const RunReportRequest& request) {
   if (path.empty() || !fs::exists(path))
     throw InputError("The scene of this run is gone, so that no view can be rendered.");
   const SceneLock in_use(path, SceneLock::Use::kRead);
-  Scene scene =
-      scaled_scene(scene_for(model, path, std::numeric_limits<int64_t>::max()), model.train_scale);
+  Scene scene = scaled_scene(
+      scene_for(model, path, {.held_out = std::numeric_limits<int64_t>::max()}), model.train_scale);
   return {std::move(model), std::move(scene), request.backend()};
 }
 

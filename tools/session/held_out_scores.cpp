@@ -44,7 +44,7 @@ json merged(const std::vector<const json*>& runs) {
 
 std::vector<Split> held_out_splits(const Scene& scene) {
   std::vector<Split> splits;
-  for (Split split : {Split::kTest, Split::kVal})
+  for (const Split split : kHeldOutSplits)
     if (!scene.split_indices(split).empty()) splits.push_back(split);
   return splits;
 }

@@ -13,6 +13,7 @@ namespace tessera {
 
 /// Splits other than training that have frames: test before val.
 std::vector<Split> held_out_splits(const Scene& scene);
+inline const std::vector<Split> kHeldOutSplits{Split::kTest, Split::kVal};
 
 /// The first split's scores at the top level (psnr, ssim, …, per_view) and all under `splits`.
 /// Empty object when `splits` is empty.

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "ingest/checks/cloud_health.h"
 #include "ingest/checks/colour_gains.h"
@@ -50,7 +49,7 @@ std::string scene_fingerprint(const Scene& scene) {
     hash.add(&camera.cam_from_world, sizeof(camera.cam_from_world));
     hash.add(&camera.translation, sizeof(camera.translation));
     add_sampled(frame.image.data, hash);
-    hash.add(frame.mask.data.data(), frame.mask.data.size());
+    hash.add(frame.mask.data().data(), frame.mask.data().size());
   }
   add_values(scene.points.position, hash);
   add_values(scene.points.colour, hash);
@@ -127,14 +126,12 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
 
 std::vector<std::string> training_warnings(const Scene& scene, const TrainOptions& options) {
   std::vector<std::string> warnings = scene.warnings;
-  std::set<int64_t> timesteps;
-  for (const int i : scene.split_indices(Split::kTrain))
-    timesteps.insert(scene.frames[size_t(i)].timestep);
-  if (options.motion == Motion::kNone && timesteps.size() > 1)
+  const int64_t timesteps = scene.timesteps_of(Split::kTrain);
+  if (options.motion == Motion::kNone && timesteps > 1)
     warnings.push_back(fmt::format(
         "{}: has {} timesteps, and --motion none makes one static scene of them all, in which what "
         "moves is blurred; for a moving scene choose another preset, for instance balanced",
-        scene.path, timesteps.size()));
+        scene.path, timesteps));
   return warnings;
 }
 

@@ -105,10 +105,10 @@ TEST(PlaneSweep, CamerasMayDifferInBrightness) {
 }
 
 void fill_mask(Frame& frame, int used_from_x) {
-  frame.mask = {frame.image.width, frame.image.height, 1, {}};
-  for (int y = 0; y < frame.mask.height; ++y)
-    for (int x = 0; x < frame.mask.width; ++x)
-      frame.mask.data.push_back(x >= used_from_x ? 255 : 0);
+  Image8 mask{frame.image.width, frame.image.height, 1, {}};
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) mask.data.push_back(x >= used_from_x ? 255 : 0);
+  frame.mask = std::move(mask);
 }
 
 // B17. Bug put back: ignored pixels searched for; seen to fail.

@@ -72,10 +72,10 @@ TEST_F(MaskSource, PreparedSceneHasThemAndReportsIt) {
     EXPECT_EQ(std::count(warnings.begin(), warnings.end(), warning), 1);
     const Scene scene = load_scene(folder_ / "scene", {});
     for (size_t p = 0; p < 48; ++p) {
-      EXPECT_EQ(scene.frames[0].mask.data[p], inverted ? 255 - first.data[p] : first.data[p]);
-      EXPECT_EQ(scene.frames[1].mask.data[p], inverted ? 255 - second.data[p] : second.data[p]);
+      EXPECT_EQ(scene.frames[0].mask.data()[p], inverted ? 255 - first.data[p] : first.data[p]);
+      EXPECT_EQ(scene.frames[1].mask.data()[p], inverted ? 255 - second.data[p] : second.data[p]);
     }
-    for (size_t i = 2; i < 6; ++i) EXPECT_TRUE(scene.frames[i].mask.data.empty()) << i;
+    for (size_t i = 2; i < 6; ++i) EXPECT_TRUE(scene.frames[i].mask.data().empty()) << i;
     const json file = prepared();
     EXPECT_EQ(file["frames"][0]["mask_path"], "masks/train/r_000.png");
     EXPECT_FALSE(file["frames"][2].contains("mask_path"));
@@ -108,10 +108,10 @@ TEST_F(MaskSource, ScaledAsTheImagesAreAndCutAtOneHalf) {
   ingest();
   const Scene scene = load_scene(folder_ / "scene", {});
   for (const size_t i : {0u, 1u}) {
-    ASSERT_EQ(scene.frames[i].mask.width, 4);
+    ASSERT_EQ(scene.frames[i].mask.image().width, 4);
     for (int p = 0; p < 12; ++p)
       if (p % 4 != 2) {  // two of four: either
-        EXPECT_EQ(scene.frames[i].mask.data[size_t(p)], p % 4 == 3 ? 255 : 0) << i << " " << p;
+        EXPECT_EQ(scene.frames[i].mask.data()[size_t(p)], p % 4 == 3 ? 255 : 0) << i << " " << p;
       }
   }
 }

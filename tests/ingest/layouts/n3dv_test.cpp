@@ -126,7 +126,13 @@ TEST_F(N3dv, OneMaskACamera) {
     return warning.find("5 of 15 frames have no mask") != std::string::npos;
   }));
   const Scene scene = load_scene(folder_ / "scene", {});
-  for (size_t i = 0; i < 15; ++i) EXPECT_EQ(scene.frames[i].mask.data, masks[i / 5].data) << i;
+  for (size_t i = 0; i < 15; ++i) EXPECT_EQ(scene.frames[i].mask.data(), masks[i / 5].data) << i;
+  // bug put back: a mask read for each frame; seen to fail
+  for (size_t i = 1; i < 15; ++i)
+    EXPECT_EQ(scene.frames[i].mask.shared() == scene.frames[i - 1].mask.shared(), i % 5 != 0) << i;
+  const FrameMask sized = load_scene(folder_ / "scene", {.load_pixels = false}).frames[5].mask;
+  EXPECT_EQ(sized.image().width, 32);
+  EXPECT_TRUE(sized.data().empty());
   const json file = json::parse(read_bytes(folder_ / "scene/transforms.json"));
   EXPECT_EQ(file["frames"][5]["mask_path"], "masks/cam01.png");
   EXPECT_EQ(file["frames"][9]["mask_path"], "masks/cam01.png");

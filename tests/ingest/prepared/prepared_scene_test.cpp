@@ -85,6 +85,34 @@ TEST(PreparedScene, WrittenAndLoadedIsEqual) {
   }
 }
 
+// Bugs put back, each seen to fail: all pixels loaded; frames that are not loaded left out, so that
+// scores do not know which timesteps were trained on; the other frames of a moving camera loaded.
+TEST(PreparedScene, PixelsOfASplitOnly) {
+  const TemporaryFolder folder;
+  PreparedScene written = example_scene();
+  written.has_points = false;
+  for (const PreparedFrame& frame : written.frames)
+    write_png(folder / frame.file_path, patterned_image(8, 6, 3, int(frame.frame.frame_number)));
+  const auto loaded = [&](Split split) {
+    write_prepared_scene(folder.path(), written);
+    std::string which;
+    const Scene scene = load_scene(folder.path(), {.pixels_of = std::vector{split}});
+    EXPECT_EQ(scene.frames.size(), 4u);
+    for (const Frame& frame : scene.frames) {
+      EXPECT_EQ(frame.image.width, 8);
+      which += frame.image.data.empty() ? '-' : '+';
+    }
+    return which;
+  };
+  EXPECT_EQ(loaded(Split::kTest), "++--");
+  EXPECT_EQ(loaded(Split::kTrain), "--++");
+  EXPECT_EQ(loaded(Split::kVal), "----");
+  written.frames[1].frame.split = Split::kTrain;
+  EXPECT_EQ(loaded(Split::kTest), "+---") << "the camera moves";
+  written.frames[1].frame.camera = written.frames[0].frame.camera;
+  EXPECT_EQ(loaded(Split::kTest), "++--") << "it stands still: its median tells what moves";
+}
+
 TEST(PreparedScene, ReportsItsOptions) {
   const TemporaryFolder folder;
   write_prepared_scene(folder.path(), example_scene());

@@ -151,11 +151,11 @@ TEST(Transforms, MasksAreReadAtOnePolarity) {
   edit_json(folder / "transforms_train.json",
             [](json& file) { file["frames"][1]["mask_path"] = "m.png"; });
   const Scene scene = load_scene(folder.path(), {});
-  EXPECT_TRUE(scene.frames[0].mask.data.empty());
+  EXPECT_TRUE(scene.frames[0].mask.data().empty());
   std::vector<uint8_t> expected(48, 0);
   std::fill(expected.begin() + 24, expected.end(), 255);
-  EXPECT_EQ(scene.frames[1].mask.data, expected);
-  EXPECT_EQ(scene.frames[1].mask.channels, 1);
+  EXPECT_EQ(scene.frames[1].mask.data(), expected);
+  EXPECT_EQ(scene.frames[1].mask.image().channels, 1);
   EXPECT_TRUE(scene.warnings.empty());
 }
 

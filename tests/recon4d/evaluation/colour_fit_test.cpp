@@ -143,8 +143,9 @@ TEST(ColourFit, LeavesOutMaskedPixels) {
   });
   EXPECT_LT(rig.evaluated().all.psnr_fit.value(), 40);
   for (Frame& frame : rig.scene.frames) {
-    frame.mask = {kWidth, kHeight, 1, std::vector<uint8_t>(size_t(kWidth) * kHeight, 255)};
-    std::fill_n(frame.mask.data.begin(), kWidth, uint8_t{0});
+    Image8 mask{kWidth, kHeight, 1, std::vector<uint8_t>(size_t(kWidth) * kHeight, 255)};
+    std::fill_n(mask.data.begin(), kWidth, uint8_t{0});
+    frame.mask = std::move(mask);
   }
   const EvaluationReport report = rig.evaluated();
   EXPECT_GT(report.all.psnr_fit.value(), 55);

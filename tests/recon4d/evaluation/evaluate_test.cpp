@@ -137,8 +137,9 @@ TEST(Evaluate, UsesTheGivenNetwork) {
   const GaussianModel model = random_model(30, 30);
   Scene scene = noise_scene(24, 20);
   const int masked = scene.split_indices(Split::kTest)[0];
-  scene.frames[size_t(masked)].mask = {24, 20, 1, std::vector<uint8_t>(480, 255)};
-  scene.frames[size_t(masked)].mask.data[3] = 0;
+  Image8 mask{24, 20, 1, std::vector<uint8_t>(480, 255)};
+  mask.data[3] = 0;
+  scene.frames[size_t(masked)].mask = std::move(mask);
   EvaluateOptions options;
   options.lpips = [](const Image8& drawn, const Image8& truth) {
     return std::equal(drawn.data.begin() + 9, drawn.data.begin() + 12, truth.data.begin() + 9);
@@ -237,14 +238,16 @@ TEST(Evaluate, PixelsThatMasksIgnoreDoNotCount) {
   take_images(model, scene);
   const std::vector<int> frames = scene.split_indices(Split::kTest);
   Frame &half = scene.frames[size_t(frames[0])], &none = scene.frames[size_t(frames[1])];
+  Image8 upper{24, 20, 1, std::vector<uint8_t>(480, 0)};
+  none.mask = upper;
+  std::fill_n(upper.data.begin(), 240, uint8_t{255});
+  half.mask = std::move(upper);
   for (Frame* frame : {&half, &none}) {
-    frame->mask = {24, 20, 1, std::vector<uint8_t>(480, 0)};
     for (uint8_t& byte : frame->image.data) byte = uint8_t(255 - byte);
   }
   const RenderedImage drawn = render_one(model, {half.camera, half.time});
   const Image8 quantised = quantise(drawn.planar(), 24, 20);
   for (size_t p = 0; p < 240; ++p) {
-    half.mask.data[p] = 255;
     for (size_t c = 0; c < 3; ++c) half.image.data[3 * p + c] = quantised.data[3 * p + c];
   }
   const nlohmann::json report = to_json(evaluated(model, scene), model);

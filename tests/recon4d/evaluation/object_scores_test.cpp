@@ -47,9 +47,9 @@ TEST(ObjectScores, AreOfThePixelsInTheBox) {
   EXPECT_EQ(score(5, 1, box), 100);
   EXPECT_EQ(score(2, 3, box), 100);
   EXPECT_NEAR(score(0, 0, {-3, -3, 2, 1}), psnr_of_error(900, 2), 1e-9) << "beyond the image";
-  frame.mask = {kBoxedWidth, kBoxedHeight, 1,
-                std::vector<uint8_t>(kBoxedWidth * kBoxedHeight, 255)};
-  frame.mask.data[1 * kBoxedWidth + 2] = 0;
+  Image8 mask{kBoxedWidth, kBoxedHeight, 1, std::vector<uint8_t>(kBoxedWidth * kBoxedHeight, 255)};
+  mask.data[1 * kBoxedWidth + 2] = 0;
+  frame.mask = std::move(mask);
   EXPECT_EQ(score(2, 1, box), 100);
   EXPECT_NEAR(score(3, 1, box), psnr_of_error(900, 5), 1e-9);
 }

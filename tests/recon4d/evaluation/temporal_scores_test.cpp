@@ -107,8 +107,9 @@ TEST(Flicker, CamerasMayComeInTurn) {
 TEST(Flicker, LeavesIgnoredPixelsOut) {
   Scene scene = two_halves(4);
   for (Frame& frame : scene.frames) {
-    frame.mask = {kWidth, kHeight, 1, std::vector<uint8_t>(kPixels, 255)};
-    for (int p = 0; p < kPixels; p += kWidth) frame.mask.data[size_t(p)] = 0;
+    Image8 mask{kWidth, kHeight, 1, std::vector<uint8_t>(kPixels, 255)};
+    for (int p = 0; p < kPixels; p += kWidth) mask.data[size_t(p)] = 0;
+    frame.mask = std::move(mask);
   }
   const auto score =
       flicker(scene, [](int m, int p) { return p % kWidth == 0 && m % 2 == 0 ? 90.0 : 0.0; });

@@ -46,7 +46,7 @@ Scene filmed(const TinyCapture& capture, const Maps& maps) {
   for (size_t f = 0; f < scene.frames.size(); ++f) {
     Frame& frame = scene.frames[f];
     std::vector<uint8_t>& bytes = frame.image.data;
-    frame.mask = {frame.image.width, frame.image.height, 1, {}};
+    Image8 mask{frame.image.width, frame.image.height, 1, {}};
     for (size_t p = 0; p < bytes.size() / 3; ++p) {
       const Vec3<double> colour(bytes[3 * p], bytes[3 * p + 1], bytes[3 * p + 2]);
       const Vec3<double> x = mapped(maps[f / size_t(capture.timesteps)], colour * (0.7 / 255));
@@ -55,8 +55,9 @@ Scene filmed(const TinyCapture& capture, const Maps& maps) {
         clipped = clipped || x[c] < 0 || x[c] > 1;
         bytes[3 * p + size_t(c)] = uint8_t(std::lround(255 * std::clamp(x[c], 0.0, 1.0)));
       }
-      frame.mask.data.push_back(clipped ? 0 : 255);
+      mask.data.push_back(clipped ? 0 : 255);
     }
+    frame.mask = std::move(mask);
   }
   return scene;
 }

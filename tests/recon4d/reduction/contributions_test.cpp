@@ -101,9 +101,10 @@ TEST(Contributions, RemovalOfOneAloneInClosedForm) {
 void add_masks_and_gains(Scene& scene, FrameSample& sample) {
   Random random(4);
   for (Frame& frame : scene.frames) {
-    frame.mask = {frame.image.width, frame.image.height, 1, {}};
+    Image8 mask{frame.image.width, frame.image.height, 1, {}};
     for (size_t p = 0; p < frame.image.data.size() / 3; ++p)
-      frame.mask.data.push_back(random.uniform(0, 1) < 0.6 ? 255 : 0);
+      mask.data.push_back(random.uniform(0, 1) < 0.6 ? 255 : 0);
+    frame.mask = std::move(mask);
   }
   for (size_t i = 0; i < sample.frames.size(); ++i)
     sample.maps.push_back(
@@ -141,17 +142,17 @@ TEST(Contributions, RemovalIsTheRealChangeWithMasksAndGains) {
   const Contributions contributions = measure_contributions(*backend, model, sample);
   int64_t counted = 0, moved = 0;
   for (const Frame& frame : scene.frames)
-    counted += 3 * (int64_t(frame.mask.data.size()) -
-                    std::count(frame.mask.data.begin(), frame.mask.data.end(), 0));
+    counted += 3 * (int64_t(frame.mask.data().size()) -
+                    std::count(frame.mask.data().begin(), frame.mask.data().end(), 0));
   EXPECT_EQ(contributions.samples, counted);
   const std::vector<RenderedImage> images = images_of(model, sample);
   double error = 0;
   for (size_t i = 0; i < images.size(); ++i) {
     const Frame& frame = scene.frames[size_t(sample.frames[i])];
-    const size_t pixels = frame.mask.data.size();
+    const size_t pixels = frame.mask.data().size();
     for (size_t j = 0; j < 3 * pixels; ++j) {
       const size_t p = j % pixels, c = j / pixels;
-      if (frame.mask.data[p] == 0) continue;
+      if (frame.mask.data()[p] == 0) continue;
       const double r = channel_response(sample.maps[i])[int(c)] * double(images[i].rgb[j]) -
                        frame.image.data[3 * p + c] / 255.0;
       error += r * r;

@@ -32,8 +32,9 @@ TEST(SceneScale, CamerasSeeTheSame) {
   Scene scene;
   Frame frame;
   frame.image = grey(10, 6, std::vector<uint8_t>(60, 9));
-  frame.mask = grey(10, 6, std::vector<uint8_t>(60, 255));
-  frame.mask.data[12] = 0;  // x 2, y 1
+  Image8 mask = grey(10, 6, std::vector<uint8_t>(60, 255));
+  mask.data[12] = 0;  // x 2, y 1
+  frame.mask = std::move(mask);
   frame.camera.width = 10;
   frame.camera.height = 6;
   frame.camera.fl_x = 8;
@@ -46,9 +47,36 @@ TEST(SceneScale, CamerasSeeTheSame) {
   EXPECT_EQ(half.camera.height, 3);
   EXPECT_EQ(half.camera.fl_x, 4);
   EXPECT_EQ(half.camera.cy, 1);
-  for (int i = 0; i < 15; ++i) EXPECT_EQ(half.mask.data[size_t(i)], i == 1 ? 0 : 255) << i;
+  for (int i = 0; i < 15; ++i) EXPECT_EQ(half.mask.data()[size_t(i)], i == 1 ? 0 : 255) << i;
   EXPECT_EQ(scaled_scene(scene, 1).frames[0].image.data, frame.image.data);
   EXPECT_EQ(scaled_scene(scene, 0.01).frames[0].image.data.size(), 1u);
+}
+
+// Bugs put back, each seen to fail: a mask scaled for each frame; one mask for all.
+TEST(SceneScale, FramesOfOneMaskShareItScaled) {
+  const FrameMask left = grey(4, 2, {255, 255, 0, 0, 255, 255, 0, 0});
+  const FrameMask right = grey(4, 2, {0, 0, 255, 255, 0, 0, 255, 255});
+  Scene scene;
+  for (const FrameMask& mask : {left, right, left, FrameMask()}) {
+    Frame& frame = scene.frames.emplace_back();
+    frame.image = grey(4, 2, std::vector<uint8_t>(8, 9));
+    frame.mask = mask;
+  }
+  const std::vector<Frame> half = scaled_scene(scene, 0.5).frames;
+  EXPECT_EQ(half[0].mask.data(), (std::vector<uint8_t>{255, 0}));
+  EXPECT_EQ(half[1].mask.data(), (std::vector<uint8_t>{0, 255}));
+  EXPECT_EQ(half[2].mask.shared(), half[0].mask.shared());
+  EXPECT_EQ(half[3].mask.shared(), nullptr);
+}
+
+// Bug put back: an image that is not loaded averaged; seen to fail.
+TEST(SceneScale, ImagesThatAreNotLoadedKeepTheirSize) {
+  Scene scene;
+  scene.frames.resize(1);
+  scene.frames[0].image = {40, 20, 3, {}};
+  const Image8 half = scaled_scene(scene, 0.5).frames[0].image;
+  EXPECT_EQ(half.width, 20);
+  EXPECT_TRUE(half.data.empty());
 }
 
 TEST(SceneScale, TruthIsNeverInvented) {

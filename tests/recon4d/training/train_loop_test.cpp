@@ -178,14 +178,15 @@ Scene masked_capture(uint64_t seed) {
   Random random(seed);
   for (size_t i = 0; i < scene.frames.size(); i += 2) {
     Frame& frame = scene.frames[i];
-    frame.mask = {frame.image.width, frame.image.height, 1, {}};
+    Image8 mask{frame.image.width, frame.image.height, 1, {}};
     const int pixels = frame.image.width * frame.image.height;
     for (int p = 0; p < pixels; ++p) {
       const bool used = p % frame.image.width > frame.image.width / 3;
-      frame.mask.data.push_back(used ? 255 : 0);
+      mask.data.push_back(used ? 255 : 0);
       for (size_t c = 0; c < 3 && !used; ++c)
         frame.image.data[3 * size_t(p) + c] = uint8_t(random.below(256));
     }
+    frame.mask = std::move(mask);
   }
   return scene;
 }
