@@ -102,25 +102,40 @@ class MovingPoints {
   std::vector<SweptPoint> at(int64_t place, int64_t most) {
     options_.points = most;
     options_.seed += 1;
-    Clock::time_point start = Clock::now();
+    const Clock::time_point start = Clock::now();
     const Scene scene = clip_.loaded({place});
-    const PlaneSweep sweep(scene, still_pixels_);
+    PlaneSweep sweep(scene, still_pixels_);
+    const std::vector<int64_t> places = clip_.beside(place);
+    const Scene around = places.empty() ? Scene{} : clip_.loaded(places);
+    cloud_.sweep_seconds += seconds_since(start);
+    VelocityCount count;
+    std::vector<SweptPoint> points = found(sweep, around, count);
+    // where clocks differ, more of what moves is found once it is known how some of it does
+    constexpr int kRounds = 2;
+    for (int round = 0; round < kRounds && sweep.expect_motion_of(points); ++round)
+      points = found(sweep, around, count);
+    cloud_.velocities.moving += count.moving;
+    cloud_.velocities.reliable += count.reliable;
+    return points;
+  }
+
+ private:
+  std::vector<SweptPoint> found(const PlaneSweep& sweep, const Scene& around,
+                                VelocityCount& count) {
+    count = {};
+    Clock::time_point start = Clock::now();
     std::vector<SweptPoint> points = dense_points(sweep, options_);
     cloud_.sweep_seconds += seconds_since(start);
     start = Clock::now();
-    const std::vector<int64_t> around = clip_.beside(place);
-    if (!points.empty() && !around.empty()) {
+    if (!points.empty() && !around.frames.empty()) {
       std::vector<SweptPoint*> all;
       for (SweptPoint& point : points) all.push_back(&point);
-      const VelocityCount count = find_velocities(sweep, clip_.loaded(around), all);
-      cloud_.velocities.moving += count.moving;
-      cloud_.velocities.reliable += count.reliable;
+      count = find_velocities(sweep, around, all);
     }
     cloud_.velocity_seconds += seconds_since(start);
     return points;
   }
 
- private:
   const Clip& clip_;
   CloudOptions options_;
   std::shared_ptr<const StillPixels> still_pixels_;

@@ -49,9 +49,11 @@ struct Line {
 }  // namespace
 
 struct PlaneSweep::Depth {
-  double inverse;    // of the depth along the camera's axis
-  int best;          // frame that agrees most
-  glm::dvec3 point;  // world units
+  double inverse;       // of the depth along the camera's axis
+  int best;             // frame that agrees most
+  float cost;           // levels
+  glm::dvec3 point;     // world units
+  glm::dvec3 velocity;  // world units per unit of normalised time
 };
 
 struct PlaneSweep::Search {
@@ -164,7 +166,23 @@ void PlaneSweep::choose_neighbours(const std::vector<int>& frames) {
   }
 }
 
+bool PlaneSweep::expect_motion_of(const std::vector<SweptPoint>& points) {
+  ExpectedMotion expected(scene_, usable_, points);
+  if (expected.largest_shift() <= kLeastShift) return false;
+  expected_ = std::move(expected);
+  return true;
+}
+
 std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y) const {
+  std::optional<Depth> found = search(index, x, y, glm::dvec3(0));
+  const auto velocity = expected_ ? expected_->at(index, x, y) : std::nullopt;
+  if (!velocity) return found;
+  const std::optional<Depth> moving = search(index, x, y, *velocity);
+  return moving && (!found || moving->cost < found->cost) ? moving : found;
+}
+
+std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y,
+                                                    const glm::dvec3& velocity) const {
   const Frame& frame = scene_.frames[size_t(index)];
   if (!has_patch(frame.image, x, y) || frame.mask.ignores(x, y)) return std::nullopt;
   Search search;
@@ -180,9 +198,11 @@ std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y) con
   const std::vector<int>& others = neighbours_.at(index);
   for (int i : others) {
     const Frame& other = scene_.frames[size_t(i)];
-    search.lines.push_back({&other.image, &other.mask, &grey_.at(i), &other.camera, i,
-                            other.camera.cam_from_world * ray,
-                            other.camera.cam_from_world * eye + other.camera.translation});
+    search.lines.push_back(
+        {&other.image, &other.mask, &grey_.at(i), &other.camera, i,
+         other.camera.cam_from_world * ray,
+         other.camera.cam_from_world * (eye + (other.time - frame.time) * velocity) +
+             other.camera.translation});
   }
   search.farthest = 1 / (kFarthest * rig_.distance);
   const double range = 1 / (kNearest * rig_.distance) - search.farthest;
@@ -195,24 +215,26 @@ std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y) con
   if (!plane) return std::nullopt;
   const double fine = search.refined(*plane);
   int best = -1;
-  if (!(search.fine(fine, best) < std::min(kMostDifference, kMostUnlike * structure)))
-    return std::nullopt;
+  const float cost = search.fine(fine, best);
+  if (!(cost < std::min(kMostDifference, kMostUnlike * structure))) return std::nullopt;
   const double inverse = search.inverse(fine);
   if (!(inverse > 0)) return std::nullopt;
-  return Depth{inverse, best, eye + ray / inverse};
+  return Depth{inverse, best, cost, eye + ray / inverse, velocity};
 }
 
 /// Whether the search from the other camera's pixel ends at the same place, as `frame` sees it.
-bool PlaneSweep::confirmed(int frame, const glm::dvec3& point, int by) const {
+bool PlaneSweep::confirmed(int frame, const Depth& depth) const {
   const auto pixel = [&](const Camera& camera, const glm::dvec3& p) {
     const glm::dvec3 q = camera.cam_from_world * p + camera.translation;
     return glm::dvec2(camera.fl_x * q.x / q.z + camera.cx, camera.fl_y * q.y / q.z + camera.cy);
   };
-  const glm::dvec2 other_pixel = pixel(scene_.frames[size_t(by)].camera, point);
-  const std::optional<Depth> back = search(by, int(other_pixel.x), int(other_pixel.y));
+  const Frame &own = scene_.frames[size_t(frame)], &other = scene_.frames[size_t(depth.best)];
+  const double later = other.time - own.time;
+  const glm::dvec2 other_pixel = pixel(other.camera, depth.point + later * depth.velocity);
+  const std::optional<Depth> back = search(depth.best, int(other_pixel.x), int(other_pixel.y));
   if (!back) return false;
-  const Camera& camera = scene_.frames[size_t(frame)].camera;
-  return glm::distance(pixel(camera, back->point), pixel(camera, point)) <= kSamePoint;
+  return glm::distance(pixel(own.camera, back->point - later * back->velocity),
+                       pixel(own.camera, depth.point)) <= kSamePoint;
 }
 
 bool PlaneSweep::still(int index, int x, int y) const {
@@ -226,7 +248,7 @@ bool PlaneSweep::moves(int index, int x, int y) const {
 
 std::optional<SweptPoint> PlaneSweep::find(int index, int x, int y) const {
   const std::optional<Depth> depth = search(index, x, y);
-  if (!depth || !confirmed(index, depth->point, depth->best)) return std::nullopt;
+  if (!depth || !confirmed(index, *depth)) return std::nullopt;
   const Frame& frame = scene_.frames[size_t(index)];
   const uint8_t* rgb =
       frame.image.data.data() + 3 * (size_t(y) * size_t(frame.image.width) + size_t(x));
@@ -235,7 +257,8 @@ std::optional<SweptPoint> PlaneSweep::find(int index, int x, int y) const {
                     float(frame.time),
                     still(index, x, y),
                     float(1 / (depth->inverse * frame.camera.fl_x)),
-                    index};
+                    index,
+                    glm::vec3(depth->velocity)};
 }
 
 std::vector<int> PlaneSweep::agreeing_frames(const SweptPoint& point) const {
@@ -249,7 +272,8 @@ std::vector<int> PlaneSweep::agreeing_frames(const SweptPoint& point) const {
                 &camera,
                 frame,
                 camera.translation,
-                camera.cam_from_world * glm::dvec3(point.position)};
+                camera.cam_from_world *
+                    place_at(point, seen.time - scene_.frames[size_t(point.frame)].time)};
   };
   double u, v;
   const Line found = line_of(point.frame);

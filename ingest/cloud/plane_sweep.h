@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "ingest/cloud/expected_motion.h"
 #include "ingest/cloud/patch.h"
 #include "ingest/cloud/still_pixels.h"
 #include "ingest/scene.h"
@@ -21,8 +22,15 @@ struct SweptPoint {
   bool still;                     // that pixel looks the same at other timesteps of the clip
   float pixel;                    // size of a pixel there, world units
   int frame;                      // that image, index into Scene::frames
-  glm::vec3 velocity{0};          // world units per unit of normalised time (point_velocities.h)
+  /// World units per unit of normalised time: that with which the cameras agreed on the point, then
+  /// that of point_velocities.h.
+  glm::vec3 velocity{0};
 };
+
+/// Where the point is `later` than its frame, in units of normalised time.
+inline glm::dvec3 place_at(const SweptPoint& point, double later) {
+  return glm::dvec3(point.position) + later * glm::dvec3(point.velocity);
+}
 
 /// Takes a byte for each pixel of `scene`. Depths between a quarter of and four times the cameras'
 /// distance to what they look at.
@@ -33,6 +41,12 @@ class PlaneSweep {
   /// Moving pixels are found by other frames of the same cameras.
   PlaneSweep(const Scene& scene, std::shared_ptr<const StillPixels> still_pixels);
   const Scene& scene() const { return scene_; }
+  /// From here on a pixel is also compared with the other cameras as something that moves as the
+  /// points near it do, which is seen elsewhere by a camera with another time. `points`: of the one
+  /// timestep of the sweep. False, and nothing changes, where none of them moves by more than
+  /// kLeastShift pixels between the cameras' times.
+  bool expect_motion_of(const std::vector<SweptPoint>& points);
+  static constexpr double kLeastShift = 0.25;
   /// Frames with at least two others of their timestep, indices into Scene::frames.
   const std::vector<int>& frames() const { return usable_; }
   /// None where a mask ignores the pixel, or without texture, agreement, a distinct best depth, or
@@ -50,7 +64,8 @@ class PlaneSweep {
   struct Search;  // a pixel with the cameras that it is compared with
 
   std::optional<Depth> search(int frame, int x, int y) const;
-  bool confirmed(int frame, const glm::dvec3& point, int by) const;
+  std::optional<Depth> search(int frame, int x, int y, const glm::dvec3& velocity) const;
+  bool confirmed(int frame, const Depth& depth) const;
   bool still(int frame, int x, int y) const;
   void choose_neighbours(const std::vector<int>& frames);
 
@@ -61,6 +76,7 @@ class PlaneSweep {
   std::shared_ptr<const StillPixels> still_pixels_;
   std::map<int, LightRatio> light_;  // of usable_
   std::map<int, GreyImage> grey_;    // of usable_
+  std::optional<ExpectedMotion> expected_;
 };
 
 }  // namespace tessera

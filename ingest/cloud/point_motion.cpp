@@ -117,13 +117,14 @@ PointMotion::PointMotion(const glm::dvec3& point, double pixel, std::vector<Moti
     : point_(point), pixel_(pixel), views_(std::move(views)) {
   for (size_t level = 0; level < templates_.size(); ++level)
     for (const MotionView& view : views_)
-      templates_[level].push_back(Template::of(view, int(level), point_, pixel_));
+      templates_[level].push_back(Template::of(view, int(level), point_ + view.offset, pixel_));
 }
 
 PointMotion::~PointMotion() = default;
 
-glm::dvec3 PointMotion::moved(const glm::dvec3& displacement, double steps) const {
-  return point_ + steps * pixel_ * displacement;
+glm::dvec3 PointMotion::moved(const MotionView& view, const glm::dvec3& displacement,
+                              double steps) const {
+  return point_ + view.offset + steps * pixel_ * displacement;
 }
 
 /// One step of Gauss–Newton; false where it was small, or where no view has a window.
@@ -135,7 +136,7 @@ bool PointMotion::step(int level, glm::dvec3& displacement) const {
     if (!made) continue;
     for (const MotionView::Other& other : views_[i].others) {
       const auto window =
-          window_of(*other.frame, *other.image, level, moved(displacement, other.steps));
+          window_of(*other.frame, *other.image, level, moved(views_[i], displacement, other.steps));
       if (!window) continue;
       const double apart = difference(made->window, *window) / kOutlier;
       const double weight = 1 / (1 + apart * apart);
@@ -172,7 +173,7 @@ MotionScore PointMotion::score(const glm::dvec3& displacement) const {
     float sum = 0;
     for (const MotionView::Other& other : views_[i].others) {
       const auto window =
-          window_of(*other.frame, *other.image, 0, moved(displacement, other.steps));
+          window_of(*other.frame, *other.image, 0, moved(views_[i], displacement, other.steps));
       const float apart =
           window ? std::min(kNoWindow, difference(made->window, *window)) : kNoWindow;
       sum += apart;

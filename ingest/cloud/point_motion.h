@@ -22,6 +22,7 @@ struct MotionView {
   const Frame* key;
   const GreyPyramid* image;
   std::vector<Other> others;
+  glm::dvec3 offset{0};  // of the point at this key frame's time from its place, world units
 };
 
 /// How well a displacement explains the images.
@@ -55,7 +56,7 @@ class PointMotion {
   struct Template;  // a view's window at a level, and its derivatives
 
   bool step(int level, glm::dvec3& displacement) const;
-  glm::dvec3 moved(const glm::dvec3& displacement, double steps) const;
+  glm::dvec3 moved(const MotionView& view, const glm::dvec3& displacement, double steps) const;
 
   glm::dvec3 point_;
   double pixel_;

@@ -107,7 +107,12 @@ Views::Views(const PlaneSweep& sweep, const Scene& around, const std::vector<Swe
 
 PointMotion Views::motion(const SweptPoint& point) const {
   std::vector<MotionView> views;
-  for (int index : sweep_.agreeing_frames(point)) views.push_back(view_.at(index));
+  const double time = sweep_.scene().frames[size_t(point.frame)].time;
+  for (int index : sweep_.agreeing_frames(point)) {
+    views.push_back(view_.at(index));
+    views.back().offset =
+        place_at(point, views.back().key->time - time) - glm::dvec3(point.position);
+  }
   return {glm::dvec3(point.position), double(point.pixel), std::move(views)};
 }
 
@@ -290,9 +295,8 @@ VelocityCount find_velocities(const PlaneSweep& sweep, const Scene& around,
   for (int round = 0; round < kRounds; ++round) motions.search_from_neighbours();
   for (size_t i = 0; i < moving.size(); ++i) {
     const auto displacement = motions.agreed(i);
-    if (!displacement) continue;
-    moving[i]->velocity = glm::vec3(*displacement / views.timestep());
-    ++count.reliable;
+    moving[i]->velocity = glm::vec3(displacement.value_or(glm::dvec3(0)) / views.timestep());
+    count.reliable += displacement.has_value();
   }
   return count;
 }

@@ -176,13 +176,14 @@ TEST(InitialCloud, FromTrainingImagesOfTimestepsSpreadOverTheClip) {
 }
 
 // Bugs put back, each seen to fail: the timesteps of a loaded part grouped anew, so that no point
-// moves; one point a voxel and time, so that nearly twice as many are taken.
+// moves; one point a voxel and time, so that nearly twice as many are taken; cameras compared as if
+// they saw a timestep at once (0.2 frames apart: 830 points move).
 TEST(InitialCloud, WhatMovesIsFoundWhateverTheClocks) {
   IngestOptions options;
   options.cloud_points = 4000;
   std::vector<std::string> warnings;
   std::map<double, int64_t> moving, with_velocity;
-  for (const double apart : {0.0, 1e-11, 1e-9, 1e-3, 0.03}) {
+  for (const double apart : {0.0, 1e-11, 1e-9, 1e-3, 0.2, 0.45}) {
     const PointCloud cloud =
         made(wall_scene({.cameras = 5, .timesteps = 12, .size = 48, .apart = apart}), options, {},
              warnings);
@@ -190,15 +191,11 @@ TEST(InitialCloud, WhatMovesIsFoundWhateverTheClocks) {
       moving[apart] += cloud.still[i] == 0;
       with_velocity[apart] += cloud.velocity[i] != glm::vec3(0);
     }
-    EXPECT_NEAR(double(moving[apart]), double(moving[0]), 0.1 * double(moving[0])) << apart;
-    EXPECT_NEAR(double(with_velocity[apart]), double(with_velocity[0]),
-                0.1 * double(with_velocity[0]))
-        << apart;
+    // 0.45 frames apart the pattern moves by most of its wave between the cameras
+    const double least = apart < 0.4 ? 0.9 : 0.75;
+    EXPECT_GT(double(moving[apart]), least * double(moving[0])) << apart;
+    EXPECT_GT(double(with_velocity[apart]), least * double(with_velocity[0])) << apart;
   }
-  // a pattern that moves by a third of its wave between the cameras is not one surface any more
-  const PointCloud far = made(wall_scene({.cameras = 5, .timesteps = 12, .size = 48, .apart = 0.2}),
-                              options, {}, warnings);
-  EXPECT_GT(std::count(far.still.begin(), far.still.end(), 0), 0.3 * double(moving[0]));
   EXPECT_GT(moving[0], 500);
   EXPECT_GT(with_velocity[0], 200);
   EXPECT_TRUE(warnings.empty());
