@@ -97,24 +97,47 @@ size_t common_numbers(const std::vector<ImageSequence>& cameras) {
   return common.size();
 }
 
+/// The most images of a sequence.
+size_t longest(const std::vector<ImageSequence>& cameras) {
+  size_t most = 0;
+  for (const ImageSequence& camera : cameras) most = std::max(most, camera.images.size());
+  return most;
+}
+
+/// Whether nine tenths of the numbers are of all sequences.
+bool is_alike(const std::vector<ImageSequence>& cameras) {
+  const size_t common = common_numbers(cameras);
+  return common > 1 && 10 * common >= 9 * longest(cameras);
+}
+
+/// Whether the sequences are alike without a few, a quarter at most but one: a camera that failed
+/// early does not make a rig anything else.
+bool is_alike_but_few(std::vector<ImageSequence> cameras) {
+  if (cameras.size() < 3) return false;
+  std::stable_sort(cameras.begin(), cameras.end(),
+                   [](const ImageSequence& a, const ImageSequence& b) {
+                     return a.images.size() > b.images.size();
+                   });
+  cameras.resize(cameras.size() - std::max<size_t>(1, cameras.size() / 4));
+  return is_alike(cameras);
+}
+
 ImageSequences judged(std::vector<ImageSequence> cameras, bool in_folders) {
   constexpr size_t kTelling = 8;  // equal numbers in names that are no cameras'; brackets are fewer
   ImageSequences found{std::move(cameras), RigEvidence::kNone, "", in_folders};
   if (found.cameras.size() < 2) return found;
   const size_t common = common_numbers(found.cameras);
-  size_t most = 0;
   bool named = true;
   std::vector<std::string> names;
   for (const ImageSequence& camera : found.cameras) {
-    most = std::max(most, camera.images.size());
     named = named && is_camera_name(camera.camera);
     names.push_back(camera.camera);
   }
   found.seen = fmt::format("{} {} ({}), {} numbers in all of them", names.size(),
                            in_folders ? "folders of numbered images" : "series of numbered images",
                            listed_names(names), common);
-  const bool alike = 10 * common >= 9 * most;
-  if (named && alike && common > 1)
+  const bool alike = is_alike(found.cameras);
+  if (named && (alike || is_alike_but_few(found.cameras)))
     found.evidence = RigEvidence::kRig;
   else if ((named && common > 1) || (alike && common >= (in_folders ? 2 : kTelling)))
     found.evidence = RigEvidence::kUnclear;

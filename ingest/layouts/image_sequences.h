@@ -20,7 +20,8 @@ struct ImageSequence {
 enum class RigEvidence {
   kNone,     // there are no two sequences, or their numbers have nothing to do with each other
   kUnclear,  // equal numbers under names that are no cameras', or cameras with other numbers
-  kRig       // names of cameras, and at least nine tenths of the numbers are of all of them
+  kRig       // names of cameras, and at least nine tenths of the numbers are of all of them, or of
+             // all but a quarter of three or more cameras
 };
 
 struct ImageSequences {

@@ -8,6 +8,7 @@
 #include "ingest/checks/orientation.h"
 #include "ingest/clocks/clock_sync.h"
 #include "ingest/clocks/frame_window.h"
+#include "ingest/clocks/limiting_cameras.h"
 #include "ingest/clocks/timesteps.h"
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/fnv1a.h"
@@ -31,6 +32,16 @@ struct Work {
   const IngestProgress& progress;
 };
 
+std::vector<std::string> names_of(const RigClips& rig) {
+  std::vector<std::string> names;
+  for (const RigClip& clip : rig.clips) names.push_back(clip.name);
+  return names;
+}
+
+FrameWindow window_of(const IngestOptions& o) {
+  return {o.start, o.duration, o.fps, o.frames};
+}
+
 /// How numbered images are read, for people.
 std::string reading_of(const Work& work, const RigClips& rig) {
   return fmt::format("{}: {}", work.capture.string(),
@@ -44,13 +55,10 @@ std::string reading_hint(const Work& work, const RigClips& rig) {
 
 /// A hint about differing image shapes where no poses could be found; empty where they are alike.
 std::string turned_hint(const RigClips& rig) {
-  std::vector<std::string> names;
   std::vector<std::pair<int, int>> sizes;
-  for (const RigClip& clip : rig.clips) {
-    names.push_back(clip.name);
+  for (const RigClip& clip : rig.clips)
     sizes.emplace_back(clip.timeline.width, clip.timeline.height);
-  }
-  const std::string mixed = mixed_orientation(names, sizes);
+  const std::string mixed = mixed_orientation(names_of(rig), sizes);
   return mixed.empty() ? "" : "; " + mixed + ": check whether their videos lack a rotation flag";
 }
 
@@ -64,6 +72,25 @@ void check_start_of_longest(const Work& work, const RigClips& rig) {
     longest.last = std::max(longest.last, seconds);
   }
   check_start({work.options.start, {}, {}, {}}, longest, work.capture.string());
+}
+
+/// A camera that is too short whatever the clocks are is refused before COLMAP has worked for
+/// minutes. Where the clocks are not known yet, the clips are compared as if all began together.
+void check_lengths(const Work& work, const RigClips& rig) {
+  const SyncOptions& sync = work.options.sync;
+  if (rig.posed || !sync.offsets.empty()) return;
+  const bool of_images = !rig.clips.front().images.empty();
+  const bool one_clock =
+      sync.method == SyncMethod::kNone || (of_images && sync.method == SyncMethod::kAuto);
+  std::vector<std::vector<double>> seconds;
+  for (const RigClip& clip : rig.clips) {
+    const double origin = one_clock ? 0 : clip.timeline.seconds(0);
+    std::vector<double>& of_clip = seconds.emplace_back();
+    for (size_t k = 0; k < clip.timeline.ticks.size(); ++k)
+      of_clip.push_back(clip.timeline.seconds(k) - origin);
+  }
+  limit_warning(limited_clip(names_of(rig), seconds, window_of(work.options)),
+                work.capture.string());
 }
 
 /// Poses by COLMAP; cameras that it could not place are left out. Returns its points.
@@ -137,8 +164,9 @@ void hold_out_frames(int64_t every, PreparedScene& scene) {
   for (size_t i = 0; i < names.size(); ++i) scene.frames[i].frame.split = splits[i];
 }
 
-/// Says what is lost where the cameras do not begin or end together.
-void warn_of_cuts(const RigClips& rig, const std::vector<std::vector<double>>& timesteps,
+/// Where no camera limits the clip more than others: what is lost as they do not begin or end
+/// together.
+void warn_of_ends(const RigClips& rig, const std::vector<std::vector<double>>& timesteps,
                   const TimeInterval& common, std::vector<std::string>& warnings) {
   size_t begins_last = 0, ends_first = 0;
   TimeInterval whole{timesteps[0].front(), timesteps[0].back()};
@@ -164,16 +192,20 @@ void warn_of_cuts(const RigClips& rig, const std::vector<std::vector<double>>& t
 std::vector<std::vector<size_t>> frames_of_clips(const Work& work, const RigClips& rig,
                                                  const std::vector<std::vector<double>>& timesteps,
                                                  std::vector<std::string>& warnings) {
-  const IngestOptions& o = work.options;
-  const FrameWindow window{o.start, o.duration, o.fps, o.frames};
+  const FrameWindow window = window_of(work.options);
   const TimeInterval common = common_interval(timesteps);
+  const std::string limited = limit_warning(limited_clip(names_of(rig), timesteps, window),
+                                            work.capture.string());
   if (common.empty())
     throw InputError(fmt::format(
         "{}: the cameras have no timestep in common; state their clocks with --offsets, or leave "
         "some out with --cameras",
         work.capture.string()));
   check_start(window, common, work.capture.string());
-  warn_of_cuts(rig, timesteps, common, warnings);
+  if (limited.empty())
+    warn_of_ends(rig, timesteps, common, warnings);
+  else
+    warnings.push_back(limited);
   std::vector<std::vector<size_t>> chosen;
   for (size_t i = 0; i < rig.clips.size(); ++i) {
     chosen.push_back(choose_frames(timesteps[i], window, common));
@@ -254,6 +286,7 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   RigClips rig = open_rig_clips(capture, options, report.warnings);
   if (options.layout == CaptureLayout::kSequences) report.notes.push_back(reading_of(work, rig));
   check_start_of_longest(work, rig);
+  check_lengths(work, rig);
   if (!rig.posed && rig.clips.size() == 1) return convert_moving(work, rig, std::move(report));
   if (options.test_every && rig.clips.size() > 1)
     throw InputError(
