@@ -28,19 +28,28 @@ int64_t missing_timesteps(const std::vector<double>& times) {
   return missing;
 }
 
+/// The mean distance of a camera's frames, of the clip.
+double distance_of(const CameraTimes& camera) {
+  return (camera.last - camera.first) / double(std::max<int64_t>(1, camera.frames - 1));
+}
+
 void judge_cameras(SceneTimes& range) {
-  std::vector<double> firsts, lasts;
+  std::vector<double> firsts, lasts, distances;
   for (const CameraTimes& camera : range.cameras) {
     firsts.push_back(camera.first);
     lasts.push_back(camera.last);
+    distances.push_back(distance_of(camera));
   }
   std::sort(firsts.begin(), firsts.end());
   std::sort(lasts.begin(), lasts.end());
   const double first = firsts[firsts.size() / 2], last = lasts[lasts.size() / 2];
+  const double usual = lower_median(std::move(distances));
   size_t named = 0;
   for (const CameraTimes& camera : range.cameras) {
     constexpr double kApart = 0.02;  // of the clip
-    if (std::abs(camera.first - first) > kApart || std::abs(camera.last - last) > kApart) {
+    constexpr double kHalf = 0.55;   // of a distance: frames of two rates are half of one apart
+    const double apart = std::max(kApart, kHalf * std::max(usual, distance_of(camera)));
+    if (std::abs(camera.first - first) > apart || std::abs(camera.last - last) > apart) {
       if (++named <= kMostNamed)
         range.findings.push_back(
             {Severity::kWarning, "time", camera.camera,

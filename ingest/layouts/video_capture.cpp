@@ -7,6 +7,7 @@
 
 #include "ingest/checks/orientation.h"
 #include "ingest/clocks/clock_sync.h"
+#include "ingest/clocks/frame_rates.h"
 #include "ingest/clocks/frame_window.h"
 #include "ingest/clocks/limiting_cameras.h"
 #include "ingest/clocks/timesteps.h"
@@ -91,6 +92,13 @@ void check_lengths(const Work& work, const RigClips& rig) {
   }
   limit_warning(limited_clip(names_of(rig), seconds, window_of(work.options)),
                 work.capture.string());
+}
+
+void warn_of_rates(const RigClips& rig, std::vector<std::string>& warnings) {
+  std::vector<double> frame_seconds;
+  for (const RigClip& clip : rig.clips) frame_seconds.push_back(clip.timeline.frame_seconds);
+  const std::string warning = rate_warning(names_of(rig), frame_seconds);
+  if (!warning.empty()) warnings.push_back(warning);
 }
 
 /// Poses by COLMAP; cameras that it could not place are left out. Returns its points.
@@ -287,6 +295,7 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   if (options.layout == CaptureLayout::kSequences) report.notes.push_back(reading_of(work, rig));
   check_start_of_longest(work, rig);
   check_lengths(work, rig);
+  warn_of_rates(rig, report.warnings);
   if (!rig.posed && rig.clips.size() == 1) return convert_moving(work, rig, std::move(report));
   if (options.test_every && rig.clips.size() > 1)
     throw InputError(
