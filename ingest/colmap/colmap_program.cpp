@@ -11,6 +11,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/child_process.h"
 #include "ingest/files/text_scan.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -47,7 +48,27 @@ int64_t stated_steps(std::string_view line) {
   return 0;
 }
 
+/// "Check failed: …" of a line of glog; its stack trace, which follows, tells a user nothing.
+std::string failed_check(std::string_view line) {
+  const size_t place = line.find("Check failed: ");
+  if (place == line.npos) return "";
+  return std::string(line.substr(place, line.find_last_not_of(' ') + 1 - place));
+}
+
 }  // namespace
+
+bool ColmapFailure::has_no_common_points() const {
+  // of the mapper without a first pair; of the adjustment where nothing was triangulated
+  return reason.find("failed to create sparse model") != std::string::npos ||
+         reason.find("bundle_adjuster.Solve") != std::string::npos;
+}
+
+void ColmapFailure::rethrow(const std::vector<std::string>& images,
+                            const std::string& remedy) const {
+  if (!has_no_common_points()) throw ColmapFailure(*this);
+  throw InputError(fmt::format("COLMAP found no common points in {}; {}; its log: {}",
+                               listed_names(images), remedy, log.string()));
+}
 
 ColmapProgram::ColmapProgram(std::filesystem::path log, const IngestProgress& progress)
     : log_(std::move(log)), progress_(progress) {
@@ -98,10 +119,12 @@ void ColmapProgram::run(const std::string& command, const ColmapOptions& options
   for (const auto& [name, value] : options) child.arguments.push_back(name + "=" + value);
   int64_t done = 0;
   bool disk_is_full = false;
+  std::string reason;
   progress_(doing, done, total);
   const ChildResult result = run_child(child, [&](std::string_view line) {
     disk_is_full |= line.find("disk is full") != std::string_view::npos ||
                     line.find(std::strerror(ENOSPC)) != std::string_view::npos;
+    if (reason.empty()) reason = failed_check(line);
     if (!step.empty() && line.find(step) != std::string_view::npos) {
       if (done == 0 && total == 0) total = stated_steps(line);
       ++done;
@@ -111,9 +134,11 @@ void ColmapProgram::run(const std::string& command, const ColmapOptions& options
   // COLMAP checks no write of a model: a full disk may be unreported
   disk_is_full |= std::filesystem::space(log_.parent_path()).available == 0;
   if (disk_is_full) fail_to_write(log_.parent_path(), ENOSPC);
-  if (result.exit_code != 0)
-    throw InputError(fmt::format("colmap {} failed (exit code {}): {} (log: {}); {}", command,
-                                 result.exit_code, result.last_line, log_.string(), remedy));
+  if (result.exit_code == 0) return;
+  if (reason.empty()) reason = result.last_line;
+  throw ColmapFailure(fmt::format("colmap {} failed (exit code {}): {}; {}; its log: {}", command,
+                                  result.exit_code, reason, remedy, log_.string()),
+                      reason, log_);
 }
 
 void ColmapProgram::extract_features(ColmapOptions options, int64_t images) const {

@@ -14,6 +14,23 @@ namespace tessera {
 /// Options of a command in order: {"--image_path", "…"}.
 using ColmapOptions = std::vector<std::pair<std::string, std::string>>;
 
+/// A command that ended with an error.
+class ColmapFailure : public InputError {
+ public:
+  ColmapFailure(const std::string& message, std::string seen, std::filesystem::path log_file)
+      : InputError(message), reason(std::move(seen)), log(std::move(log_file)) {}
+
+  /// Whether COLMAP ended because the images show no point that two of them see.
+  bool has_no_common_points() const;
+  /// The failure where it is another one; else one that says so in a sentence: `images` are named,
+  /// `remedy` is what to do, and the log's path is at the end.
+  [[noreturn]] void rethrow(const std::vector<std::string>& images,
+                            const std::string& remedy) const;
+
+  std::string reason;         // the check that failed, else the last words
+  std::filesystem::path log;  // of all that it printed
+};
+
 class ColmapProgram {
  public:
   /// The program that the environment variable TESSERA_COLMAP names, else `colmap` of PATH; what
@@ -25,7 +42,7 @@ class ColmapProgram {
   const std::filesystem::path& log() const { return log_; }
 
   /// Runs it to its end. `doing` and `total` (0: what the lines state, else not known) are for
-  /// progress; one step is done with each line that contains `step`. Errors: InputError with its
+  /// progress; one step is done with each line that contains `step`. Errors: ColmapFailure with its
   /// last words and the log's path; what `progress` throws, after the program and its children are
   /// gone.
   void run(const std::string& command, const ColmapOptions& options, const std::string& doing,

@@ -106,7 +106,7 @@ double tight_error(int width) {
   return std::max(1.0, width / 1000.0);
 }
 
-std::filesystem::path largest_colmap_model(const std::filesystem::path& sparse,
+std::filesystem::path largest_colmap_model(const std::filesystem::path& sparse, size_t images,
                                            std::vector<std::string>& warnings) {
   struct Candidate {
     std::filesystem::path folder;
@@ -122,17 +122,10 @@ std::filesystem::path largest_colmap_model(const std::filesystem::path& sparse,
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return a.images != b.images ? a.images > b.images : a.folder < b.folder;
   });
-  if (candidates.size() > 1) {
-    std::string others;
-    for (size_t i = 1; i < candidates.size(); ++i)
-      others += fmt::format("{}{} ({})", i > 1 ? ", " : "",
-                            candidates[i].folder.filename().string(), candidates[i].images);
+  if (candidates.size() > 1 && candidates[0].images < images)
     warnings.push_back(fmt::format(
-        "{}: COLMAP made {} models that do not fit together; the largest is used, {} with {} "
-        "images; left out: {}",
-        sparse.string(), candidates.size(), candidates[0].folder.filename().string(),
-        candidates[0].images, others));
-  }
+        "COLMAP made {} models that do not fit together; the largest is used, with {} of {} images",
+        candidates.size(), candidates[0].images, images));
   return candidates[0].folder;
 }
 

@@ -46,8 +46,8 @@ class ColmapWorkspace {
 double tight_error(int width);
 
 /// The folder below `sparse` whose model has the most registered images; says so in `warnings`
-/// where there are several. An empty path where there is none.
-std::filesystem::path largest_colmap_model(const std::filesystem::path& sparse,
+/// where there are several and that one has not all `images`. An empty path where there is none.
+std::filesystem::path largest_colmap_model(const std::filesystem::path& sparse, size_t images,
                                            std::vector<std::string>& warnings);
 
 struct PosedImage {

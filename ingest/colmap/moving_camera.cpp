@@ -16,6 +16,7 @@ namespace {
 
 constexpr size_t kExhaustive = 500;     // images; beyond, all pairs take hours
 constexpr const char* kOverlap = "20";  // of an image in order, that it is matched with
+constexpr const char* kMoreImages = "take more images, each seeing much of what the one before saw";
 
 std::vector<std::filesystem::path> images_below(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
@@ -26,6 +27,12 @@ std::vector<std::filesystem::path> images_below(const std::filesystem::path& fol
     throw InputError(fmt::format("{}: holds {} images, expected at least 2 for camera poses",
                                  folder.string(), files.size()));
   return files;
+}
+
+std::vector<std::string> names_of(const std::vector<std::filesystem::path>& files) {
+  std::vector<std::string> names;
+  for (const auto& file : files) names.push_back(file.filename().string());
+  return names;
 }
 
 }  // namespace
@@ -60,20 +67,22 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bo
     else
       colmap.match_features("exhaustive_matcher", {{"--database_path", database}});
     make_folder(work.sparse);
-    colmap.run("mapper",
-               {{"--database_path", database},
-                {"--image_path", source},
-                {"--output_path", work.sparse.string()}},
-               "colmap: registering images", "Registering image", int64_t(files.size()),
-               "take more images, each seeing much of what the one before saw");
+    try {
+      colmap.run("mapper",
+                 {{"--database_path", database},
+                  {"--image_path", source},
+                  {"--output_path", work.sparse.string()}},
+                 "colmap: registering images", "Registering image", int64_t(files.size()),
+                 kMoreImages);
+    } catch (const ColmapFailure& failure) {
+      failure.rethrow(names_of(files), kMoreImages);
+    }
   }
   MovingCameraModel result;
-  result.folder = largest_colmap_model(work.sparse, result.warnings);
+  result.folder = largest_colmap_model(work.sparse, files.size(), result.warnings);
   if (result.folder.empty())
-    throw InputError(
-        fmt::format("{}: COLMAP made no model of it (log: {}); take more images, "
-                    "each seeing much of what the one before saw",
-                    images.string(), colmap.log().string()));
+    throw InputError(fmt::format("{}: COLMAP made no model of it; {}; its log: {}", images.string(),
+                                 kMoreImages, colmap.log().string()));
   const size_t registered = read_colmap_model(result.folder).photos.size();
   // not before the model was read: its files may be incomplete
   if (!is_known) work.store_key(key.hex());

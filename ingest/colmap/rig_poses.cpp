@@ -22,8 +22,9 @@ struct RigSolver {
   const ColmapWorkspace& work;
   const ColmapProgram& colmap;
   const PoseOptions& options;
-  std::vector<std::string> names;  // of the images, one a clip
-  double max_error = 1;            // pixels, of the last rounds
+  std::vector<std::string> names;    // of the images, one a clip
+  std::vector<std::string> cameras;  // of the clips
+  double max_error = 1;              // pixels, of the last rounds
 
   /// The poses are in `chosen` afterwards; returns the mapper's model they came of, an empty path
   /// where there is none. Nothing is run where `key` is that of what is there.
@@ -36,6 +37,9 @@ struct RigSolver {
 
  private:
   void map() const;
+  /// Points of the images of `model`, whose files are in that folder, into the folder `out`.
+  void triangulate(const std::vector<PosedImage>& images, const std::filesystem::path& model,
+                   const std::filesystem::path& out, double error) const;
   std::filesystem::path refine(const ColmapModel& start, const std::string& lens) const;
   void choose_refined(const ColmapModel& mapped) const;
 };
@@ -49,14 +53,30 @@ size_t RigSolver::clip_of(const std::string& name) const {
 /// Registers cameras one after the other; models into work.sparse.
 void RigSolver::map() const {
   make_folder(work.sparse);
-  colmap.run("mapper",
-             {{"--database_path", work.database.string()},
-              {"--image_path", work.images.string()},
-              {"--output_path", work.sparse.string()},
-              {"--Mapper.min_model_size", "3"},
-              {"--Mapper.ba_refine_principal_point", "0"}},
-             "colmap: registering cameras", "Registering image", int64_t(names.size()),
-             kOverlapRemedy);
+  try {
+    colmap.run("mapper",
+               {{"--database_path", work.database.string()},
+                {"--image_path", work.images.string()},
+                {"--output_path", work.sparse.string()},
+                {"--Mapper.min_model_size", "3"},
+                {"--Mapper.ba_refine_principal_point", "0"}},
+               "colmap: registering cameras", "Registering image", int64_t(names.size()),
+               kOverlapRemedy);
+  } catch (const ColmapFailure& failure) {
+    failure.rethrow(cameras, kOverlapRemedy);
+  }
+}
+
+void RigSolver::triangulate(const std::vector<PosedImage>& images,
+                            const std::filesystem::path& model, const std::filesystem::path& out,
+                            double error) const {
+  try {
+    work.triangulate(colmap, model, out, error);
+  } catch (const ColmapFailure& failure) {
+    std::vector<std::string> of_model;
+    for (const PosedImage& image : images) of_model.push_back(cameras[clip_of(image.name)]);
+    failure.rethrow(of_model, kOverlapRemedy);
+  }
 }
 
 std::vector<PosedImage> posed_images(const ColmapModel& model) {
@@ -82,7 +102,7 @@ std::filesystem::path RigSolver::refine(const ColmapModel& start, const std::str
     const auto points = folder / fmt::format("points{}", round);
     const auto adjusted = folder / fmt::format("adjusted{}", round);
     make_folder(adjusted);
-    work.triangulate(colmap, model, points, max_error);
+    triangulate(images, model, points, max_error);
     colmap.run("bundle_adjuster",
                {{"--input_path", points.string()},
                 {"--output_path", adjusted.string()},
@@ -126,7 +146,7 @@ std::filesystem::path RigSolver::solve(const std::vector<StillImage>& stills,
     work.find_matches(colmap, {lens, options.intrinsics_per_camera}, stills.size());
     map();
   }
-  const auto largest = largest_colmap_model(work.sparse, warnings);
+  const auto largest = largest_colmap_model(work.sparse, stills.size(), warnings);
   if (is_known || largest.empty()) return largest;
   choose_refined(read_colmap_model(largest));
   work.store_key(key);
@@ -156,16 +176,15 @@ void name_unregistered(const std::vector<RigClip>& clips, const PoseOptions& opt
     if (!estimate.cameras[i]) missing.push_back(clips[i].name);
   if (clips.size() - missing.size() < 2)
     throw InputError(
-        fmt::format("COLMAP registered {} of {} cameras, expected at least 2 (log: "
-                    "{}); {}",
-                    clips.size() - missing.size(), clips.size(), log.string(), kOverlapRemedy));
+        fmt::format("COLMAP registered {} of {} cameras, expected at least 2; {}; its log: {}",
+                    clips.size() - missing.size(), clips.size(), kOverlapRemedy, log.string()));
   if (missing.empty()) return;
   const std::string seen =
       fmt::format("COLMAP registered {} of {} cameras, not {}", clips.size() - missing.size(),
                   clips.size(), fmt::join(missing, ", "));
   if (options.strict)
-    throw InputError(fmt::format("{} (log: {}); {}, or leave --strict out to go on without", seen,
-                                 log.string(), kOverlapRemedy));
+    throw InputError(fmt::format("{}; {}, or leave --strict out to prepare the others; its log: {}",
+                                 seen, kOverlapRemedy, log.string()));
   estimate.warnings.push_back(seen + "; the scene is made without");
 }
 
@@ -179,7 +198,7 @@ void RigSolver::triangulate_training(const std::vector<char>& held_out,
     if (!held_out[clip_of(image.name)]) training.push_back(std::move(image));
   write_posed_model(points.folder / "posed", training);
   if (training.size() > 1) {
-    work.triangulate(colmap, points.folder / "posed", points.folder / "model", 2 * max_error);
+    triangulate(training, points.folder / "posed", points.folder / "model", 2 * max_error);
     read_colmap_model(points.folder / "model");  // its files may be incomplete
   }
   points.store_key(key);
@@ -197,8 +216,9 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<c
   key.add(fmt::format("rig 1, colmap {}, {} {}", colmap.version(), options.lens_model,
                       options.intrinsics_per_camera));
   const auto stills = still_images(clips, key, progress);
-  RigSolver solver{work, colmap, options, {}, 1};
+  RigSolver solver{work, colmap, options, {}, {}, 1};
   for (size_t i = 0; i < stills.size(); ++i) {
+    solver.cameras.push_back(clips[i].name);
     solver.names.push_back(ColmapWorkspace::image_name(i, stills[i].image));
     solver.max_error = std::max(solver.max_error, tight_error(stills[i].image.width));
   }

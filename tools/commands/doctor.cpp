@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/colmap/colmap_model.h"
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/cache_folder.h"
 #include "ingest/files/folders.h"
 #include "ingest/layouts/thinned_scene.h"
 #include "ingest/prepared/scene_reader.h"
@@ -90,16 +92,47 @@ bool is_scene(const fs::path& folder) {
   return is_prepared_scene(folder) || (opens_as_scene(folder) && find_colmap_model(folder).empty());
 }
 
+/// The temporary folder is removed: a log that the message names is kept in the user's cache
+/// folder, one for each name of a capture, and named there instead.
+std::string with_kept_logs(std::string message, const fs::path& temporary,
+                           const fs::path& capture) {
+  const fs::path cache = user_cache_folder();
+  if (cache.empty()) return message;
+  for (const auto& entry : fs::recursive_directory_iterator(temporary)) {
+    const std::string log = entry.path().string();
+    const size_t place = message.find(log);
+    if (entry.path().extension() != ".log" || place == std::string::npos) continue;
+    const fs::path name = fs::weakly_canonical(capture).filename();
+    const fs::path kept =
+        cache / fmt::format("doctor-{}-{}", name.string(), entry.path().filename().string());
+    make_folder(cache);
+    fs::copy_file(entry.path(), kept, fs::copy_options::overwrite_existing);
+    message.replace(place, log.size(), kept.string());
+  }
+  return message;
+}
+
+IngestReport ingest_into(const fs::path& folder, const fs::path& temporary, const fs::path& capture,
+                         const IngestOptions& options) {
+  ProgressBar bar("doctor");
+  try {
+    const IngestReport ingested = ingest_sample(
+        capture, folder, options, [&](std::string_view what, int64_t done, int64_t total) {
+          stop_if_interrupted();
+          bar.update(done, total, what);
+        });
+    bar.clear();
+    return ingested;
+  } catch (const InputError& error) {
+    bar.clear();
+    throw InputError(with_kept_logs(error.what(), temporary, capture));
+  }
+}
+
 void examine_capture(const fs::path& capture, const IngestOptions& options, DoctorReport& report) {
   const TemporaryFolder temporary("doctor");
   const fs::path folder = temporary.path() / "scene";
-  ProgressBar bar("doctor");
-  const IngestReport ingested = ingest_sample(
-      capture, folder, options, [&](std::string_view what, int64_t done, int64_t total) {
-        stop_if_interrupted();
-        bar.update(done, total, what);
-      });
-  bar.clear();
+  const IngestReport ingested = ingest_into(folder, temporary.path(), capture, options);
   for (const std::string& note : ingested.notes)
     report.findings.push_back({Severity::kInfo, "ingest", "", note, ""});
   for (const std::string& warning : ingested.warnings)

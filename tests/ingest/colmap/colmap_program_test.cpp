@@ -85,6 +85,47 @@ TEST(ColmapProgram, FailureNamesCommandLastLineAndLog) {
                      {"mapper", "7", "no space left", (folder / "log").string(), "--poses"});
 }
 
+// What COLMAP prints where images have no common points, and where something else fails. Bugs put
+// back, each seen to fail: the last line of the stack trace taken; any failure taken for this one.
+TEST(ColmapProgram, NoCommonPointsAreASentenceAndACheckIsItsReason) {
+  const TemporaryFolder folder;
+  const auto failure_of = [&](const std::string& printed, int code) {
+    const StandIn colmap(std::string(kVersion) + "echo '" + printed + "'\nexit " +
+                         std::to_string(code) + "\n");
+    const ColmapProgram program(folder / "log", kQuiet);
+    try {
+      program.run("mapper", {}, "doing");
+    } catch (const ColmapFailure& failure) {
+      return failure;
+    }
+    return ColmapFailure("it did not fail", "", "");
+  };
+  const std::string trace =
+      "\n*** Check failure stack trace: ***\n    @     0x55e3344523a1  _start";
+  for (const ColmapFailure& failure :
+       {failure_of("F20261126 14:38:40.3 136 sfm.cc:473] Check failed: "
+                   "bundle_adjuster.Solve(&reconstruction) " +
+                       trace,
+                   134),
+        failure_of("ERROR: failed to create sparse model", 1)}) {
+    EXPECT_TRUE(failure.has_no_common_points()) << failure.reason;
+    expect_input_error(
+        [&] {
+          failure.rethrow({"cam00", "cam01"}, "film more");
+        },
+        {"COLMAP found no common points in cam00, cam01; film more; its log: " +
+         (folder / "log").string()});
+  }
+  const ColmapFailure other =
+      failure_of("F2026 1 a.cc:4] Check failed: a == b (1 vs. 2)" + trace, 134);
+  EXPECT_FALSE(other.has_no_common_points());
+  expect_input_error(
+      [&] {
+        other.rethrow({"cam00", "cam01"}, "film more");
+      },
+      {"colmap mapper failed (exit code 134): Check failed: a == b (1 vs. 2); "});
+}
+
 // Catches: a version that is ignored; a comparison as text (3.10 < 3.6).
 TEST(ColmapProgram, OldVersionsAreRefusedNewOnesHaveTheirOptions) {
   const TemporaryFolder folder;
@@ -151,10 +192,13 @@ TEST(ColmapWorkspace, TakesTheLargestModelAndReportsIt) {
   write_colmap_bin(folder / "1", small_colmap_model(12));
   write_colmap_txt(folder / "2", small_colmap_model(5));
   std::vector<std::string> warnings;
-  EXPECT_EQ(largest_colmap_model(folder.path(), warnings), folder / "1");
+  EXPECT_EQ(largest_colmap_model(folder.path(), 20, warnings), folder / "1");
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("1 with 12 images; left out: 2 (5), 0 (3)"), std::string::npos);
-  EXPECT_EQ(largest_colmap_model(folder / "none", warnings), std::filesystem::path());
+  EXPECT_NE(warnings[0].find("made 3 models"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("is used, with 12 of 20 images"), std::string::npos) << warnings[0];
+  EXPECT_EQ(largest_colmap_model(folder / "none", 20, warnings), std::filesystem::path());
+  EXPECT_EQ(largest_colmap_model(folder.path(), 12, warnings), folder / "1");
+  EXPECT_EQ(warnings.size(), 1u) << "the largest has all images";
 }
 
 }  // namespace
