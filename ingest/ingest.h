@@ -38,6 +38,8 @@ struct PoseOptions {
   std::string lens_model;              // COLMAP's name; empty: SIMPLE_RADIAL
   bool intrinsics_per_camera = false;  // false: cameras of one image size share them
   bool strict = false;                 // an unregistered camera is an error
+  std::filesystem::path cache;         // where COLMAP's results are kept for other outputs, too;
+                                       // empty: nowhere
 };
 
 struct IngestOptions {
@@ -71,6 +73,7 @@ struct IngestOptions {
   PoseOptions poses;            // videos and photos
   std::filesystem::path work;   // where estimates are kept for the next time; empty: out + ".work"
   bool invert_masks = false;    // black is used, not ignored
+  bool check_cameras = false;   // of rigs: warn of turned and of darker cameras
 };
 
 struct IngestReport {

@@ -124,7 +124,8 @@ ExposureCheck check_exposure(const MatchedStations& matched) {
                               fmt::format("records {:.3f} {:.3f} {:.3f} (R G B) of the median "
                                           "camera",
                                           camera.gain[0], camera.gain[1], camera.gain[2]),
-                              "prepare with --fit-exposure"});
+                              "the presets of rigs learn this (--exposure auto); for other "
+                              "trainings prepare with --fit-exposure"});
   }
   if (known < check.gains.size() && !matched.moving_camera) judge_whole_images(matched, check);
   if (known < check.gains.size())

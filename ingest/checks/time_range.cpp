@@ -84,7 +84,7 @@ std::map<std::string, double> frame_seconds_of(const Scene& scene) {
 
 }  // namespace
 
-SceneTimes check_times(const Scene& scene) {
+SceneTimes check_times(const Scene& scene, bool in_seconds) {
   SceneTimes range;
   std::set<int64_t> timesteps;
   std::map<std::string, std::set<double>> of_camera;
@@ -107,12 +107,13 @@ SceneTimes check_times(const Scene& scene) {
   // A camera of several poses moves, and the times of its splits may differ.
   const bool rig = stations_of(scene).size() == of_camera.size();
   if (!range.is_static && rig) judge_cameras(range);
-  range.findings.push_back(
-      {Severity::kInfo, "time", "",
-       fmt::format("{} timestep{} in {} camera{}, duration {:.4g} of the capture's unit",
-                   range.timesteps, range.timesteps == 1 ? "" : "s", range.cameras.size(),
-                   range.cameras.size() == 1 ? "" : "s", range.duration),
-       ""});
+  range.findings.push_back({Severity::kInfo, "time", "",
+                            fmt::format("{} timestep{} of {} camera{}, {} {:.4g}{}",
+                                        range.timesteps, range.timesteps == 1 ? "" : "s",
+                                        range.cameras.size(), range.cameras.size() == 1 ? "" : "s",
+                                        in_seconds ? "over" : "times as stated, from first to last",
+                                        range.duration, in_seconds ? " s" : ""),
+                            ""});
   return range;
 }
 

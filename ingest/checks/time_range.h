@@ -24,7 +24,8 @@ struct SceneTimes {
   Findings findings;
 };
 /// Needs no pixels; of all frames. Cameras with several poses count as one.
-SceneTimes check_times(const Scene& scene);
+/// `in_seconds`: the capture's own unit is known to be that.
+SceneTimes check_times(const Scene& scene, bool in_seconds = false);
 
 /// Share of the pixels that change by more than 10 % of white over the loaded timesteps, mean over
 /// the static training cameras; −1 where none has two timesteps. Needs pixels.

@@ -2,6 +2,7 @@
 // padding. Each count is checked against the remaining bytes before memory is allocated.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "ingest/colmap/colmap_records.h"
@@ -122,10 +123,11 @@ std::vector<ColmapImage> read_colmap_images_bin(const std::filesystem::path& pat
   return images;
 }
 
-PointCloud read_colmap_points_bin(const std::filesystem::path& path) {
+ColmapPoints read_colmap_points_bin(const std::filesystem::path& path) {
   constexpr uint64_t kLeastBytes = 8 + 3 * 8 + 3 + 8 + 8, kTrackBytes = 4 + 4;
   BinaryCursor file(path, "points");
   PointCloud points;
+  double errors = 0;
   std::vector<uint64_t> ids;
   for (uint64_t left = file.take_count(kLeastBytes); left > 0; --left) {
     file.begin_record();
@@ -134,14 +136,15 @@ PointCloud read_colmap_points_bin(const std::filesystem::path& path) {
     for (glm::length_t i = 0; i < 3; ++i) position[i] = float(file.take<double>());
     std::array<uint8_t, 3> colour;
     for (uint8_t& value : colour) value = file.take<uint8_t>();
-    file.take<double>();  // mean reprojection error
+    errors += file.take<double>();
     file.skip_list(kTrackBytes);
     points.position.push_back(position);
     points.colour.push_back(colour);
   }
   file.expect_end();
   sort_by_id(points, ids);
-  return points;
+  const double count = double(std::max<size_t>(1, ids.size()));
+  return {std::move(points), errors / count};
 }
 
 }  // namespace tessera

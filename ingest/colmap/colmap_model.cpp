@@ -109,8 +109,10 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
         fmt::format("{}: no such file; there is no initial cloud", points_file.string()));
     return model;
   }
-  model.points = binary ? read_colmap_points_bin(points_file)
-                        : read_colmap_points_txt(points_file, model.warnings);
+  ColmapPoints points = binary ? read_colmap_points_bin(points_file)
+                               : read_colmap_points_txt(points_file, model.warnings);
+  model.points = std::move(points.cloud);
+  model.error = points.error;
   model.files.push_back(points_file);
   drop_infinite_points(model.points, points_file.string(), model.warnings);
   return model;

@@ -21,6 +21,7 @@ struct ColmapModel {
   std::vector<std::filesystem::path> files;  // that were read
   std::vector<ColmapPhoto> photos;           // sorted by name; never empty
   PointCloud points;                         // finite; empty where there is no points3D file
+  double error = 0;                          // mean reprojection error of the points, pixels
   std::vector<std::string> warnings;         // one line each
 };
 

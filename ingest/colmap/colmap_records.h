@@ -49,21 +49,26 @@ struct ColmapImage {
   uint32_t camera = 0;                 // id
 };
 
+struct ColmapPoints {
+  PointCloud cloud;
+  double error = 0;  // mean reprojection error over the points, pixels; 0 without points
+};
+
 using ColmapCameras = std::map<uint32_t, ColmapCamera>;  // by id
 
 // Errors of all: InputError naming the file, the record or line, what was seen and the remedy:
 // missing, truncated, longer than its records, a value that cannot be, an id listed twice.
 ColmapCameras read_colmap_cameras_bin(const std::filesystem::path& path);
 std::vector<ColmapImage> read_colmap_images_bin(const std::filesystem::path& path);
-PointCloud read_colmap_points_bin(const std::filesystem::path& path);
+ColmapPoints read_colmap_points_bin(const std::filesystem::path& path);
 
 // The text files state their counts in a comment; another count becomes a warning.
 ColmapCameras read_colmap_cameras_txt(const std::filesystem::path& path,
                                       std::vector<std::string>& warnings);
 std::vector<ColmapImage> read_colmap_images_txt(const std::filesystem::path& path,
                                                 std::vector<std::string>& warnings);
-PointCloud read_colmap_points_txt(const std::filesystem::path& path,
-                                  std::vector<std::string>& warnings);
+ColmapPoints read_colmap_points_txt(const std::filesystem::path& path,
+                                    std::vector<std::string>& warnings);
 
 /// Points in the order of their ids: COLMAP's two formats list the same points differently.
 void sort_by_id(PointCloud& points, const std::vector<uint64_t>& ids);

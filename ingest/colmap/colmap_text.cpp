@@ -162,10 +162,11 @@ std::vector<ColmapImage> read_colmap_images_txt(const std::filesystem::path& pat
   return images;
 }
 
-PointCloud read_colmap_points_txt(const std::filesystem::path& path,
-                                  std::vector<std::string>& warnings) {
+ColmapPoints read_colmap_points_txt(const std::filesystem::path& path,
+                                    std::vector<std::string>& warnings) {
   TextRecords file(path);
   PointCloud points;
+  double errors = 0;
   std::vector<uint64_t> ids;
   while (auto words = file.next_record()) {
     ids.push_back(words->number<uint64_t>("the point's id"));
@@ -174,14 +175,15 @@ PointCloud read_colmap_points_txt(const std::filesystem::path& path,
       position[i] = float(words->number<double>("the position"));
     std::array<uint8_t, 3> colour;
     for (uint8_t& value : colour) value = words->number<uint8_t>("the colour (0 to 255)");
-    words->number<double>("the error");
+    errors += words->number<double>("the error");
     if (words->count_left() % 2 != 0) words->fail("has a track of an odd number of values");
     points.position.push_back(position);
     points.colour.push_back(colour);
   }
   file.check_count(warnings);
   sort_by_id(points, ids);
-  return points;
+  const double count = double(std::max<size_t>(1, ids.size()));
+  return {std::move(points), errors / count};
 }
 
 }  // namespace tessera

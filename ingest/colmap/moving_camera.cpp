@@ -79,6 +79,7 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bo
     }
   }
   MovingCameraModel result;
+  result.images = files.size();
   result.folder = largest_colmap_model(work.sparse, files.size(), result.warnings);
   if (result.folder.empty())
     throw InputError(fmt::format("{}: COLMAP made no model of it; {}; its log: {}", images.string(),

@@ -16,6 +16,8 @@ namespace tessera {
 struct PoseEstimate {
   std::vector<std::optional<RigCamera>> cameras;  // one a clip; empty where it was not registered
   PointCloud points;                              // of the training cameras only
+  bool reused = false;                            // COLMAP was run for another output
+  double error = 0;                               // mean reprojection error of them, pixels
   std::vector<std::string> warnings;              // one line each
 };
 
@@ -42,6 +44,8 @@ PointCloud triangulate_instants(const std::vector<RigClip>& clips,
 
 struct MovingCameraModel {
   std::filesystem::path folder;  // of the COLMAP model; its images are named below `images`
+  size_t images = 0;             // that it was given
+  bool reused = false;           // COLMAP was run for another output
   std::vector<std::string> warnings;
 };
 

@@ -232,8 +232,11 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<c
       const size_t i = solver.clip_of(photo.name);
       estimate.cameras[i] = {clips[i].name, photo.camera, photo.lens, photo.lens_model};
     }
-    if (const auto points = work.folder / "points" / "model"; std::filesystem::exists(points))
-      estimate.points = read_colmap_model(points).points;
+    if (const auto points = work.folder / "points" / "model"; std::filesystem::exists(points)) {
+      ColmapModel model = read_colmap_model(points);
+      estimate.points = std::move(model.points);
+      estimate.error = model.error;
+    }
   }
   name_unregistered(clips, options, colmap.log(), estimate);
   return estimate;

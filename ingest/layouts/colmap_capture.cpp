@@ -232,9 +232,14 @@ Converted convert_bare_photos(const std::filesystem::path& capture,
   const auto images = image_folder(capture, options.images);
   MovingCameraModel estimate =
       estimate_moving_camera(images, false, options.work / "colmap", options.poses, progress);
-  Converted converted = convert_photos(capture, images, read_colmap_model(estimate.folder), folder,
-                                       options, progress);
+  ColmapModel model = read_colmap_model(estimate.folder);
+  const std::string registered =
+      fmt::format("COLMAP registered {} of {} photos, mean reprojection error {:.2f} pixels",
+                  model.photos.size(), estimate.images, model.error);
+  Converted converted =
+      convert_photos(capture, images, std::move(model), folder, options, progress);
   converted.scene.layout = "photos";
+  converted.report.notes.push_back(registered);
   if (!options.image_layout && looks_like_video(images))
     converted.report.notes.push_back(fmt::format(
         "{}: consecutive images are read as photos of a scene that stands still; pass --layout "

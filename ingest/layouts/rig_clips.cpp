@@ -155,6 +155,10 @@ void fit_sizes(std::vector<RigClip>& clips) {
 
 }  // namespace
 
+std::vector<std::string> RigClips::names() const {
+  return names_of(clips);
+}
+
 void RigClips::keep_only(const std::vector<char>& keep) {
   check(keep.size() == clips.size(), "keep_only: one entry a clip");
   RigClips kept;

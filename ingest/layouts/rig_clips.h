@@ -18,6 +18,7 @@ struct RigClips {
   bool posed = false;                             // all clips have their camera
   std::vector<std::filesystem::path> pose_files;  // that were read
 
+  std::vector<std::string> names() const;
   /// Leaves clips out, all entries alike; `keep` has one entry a clip.
   void keep_only(const std::vector<char>& keep);
 };

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "ingest/checks/camera_warnings.h"
 #include "ingest/checks/exposure.h"
 #include "ingest/cloud/initial_cloud.h"
 #include "ingest/files/png.h"
@@ -94,6 +95,18 @@ void even_exposure(const std::filesystem::path& folder, PreparedScene& scene,
   });
 }
 
+/// Of the rigs of clips alone, by a few small frames of each camera.
+void warn_of_odd_cameras(const std::filesystem::path& folder, CaptureLayout layout,
+                         std::vector<std::string>& warnings) {
+  if (layout != CaptureLayout::kN3dv && layout != CaptureLayout::kVideos &&
+      layout != CaptureLayout::kSequences)
+    return;
+  const ThinnedScene thinned =
+      thinned_scene(folder, {.instants = 3, .stations = 40, .largest = 640});
+  const std::vector<std::string> odd = camera_warnings(thinned.all, thinned.sample);
+  warnings.insert(warnings.end(), odd.begin(), odd.end());
+}
+
 }  // namespace
 
 void finish_scene(Converted& converted, CaptureLayout layout, const std::filesystem::path& folder,
@@ -116,6 +129,8 @@ void finish_scene(Converted& converted, CaptureLayout layout, const std::filesys
   scene.has_points = report.points > 0;
   if (scene.has_points) write_points(folder / "points.ply", converted.points);
   write_prepared_scene(folder, scene);
+  if (options.check_cameras && report.cameras > 1)
+    warn_of_odd_cameras(folder, layout, report.warnings);
 }
 
 }  // namespace tessera

@@ -6,16 +6,15 @@
 #include <cmath>
 
 #include "ingest/checks/orientation.h"
+#include "ingest/clocks/clock_note.h"
 #include "ingest/clocks/clock_sync.h"
-#include "ingest/clocks/frame_rates.h"
-#include "ingest/clocks/frame_window.h"
-#include "ingest/clocks/limiting_cameras.h"
 #include "ingest/clocks/timesteps.h"
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/fnv1a.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/layouts/conversion.h"
 #include "ingest/layouts/image_sequences.h"
+#include "ingest/layouts/kept_frames.h"
 #include "ingest/layouts/rig_clips.h"
 #include "ingest/test_views.h"
 #include "ingest/video/clip_frames.h"
@@ -33,16 +32,6 @@ struct Work {
   const IngestProgress& progress;
 };
 
-std::vector<std::string> names_of(const RigClips& rig) {
-  std::vector<std::string> names;
-  for (const RigClip& clip : rig.clips) names.push_back(clip.name);
-  return names;
-}
-
-FrameWindow window_of(const IngestOptions& o) {
-  return {o.start, o.duration, o.fps, o.frames};
-}
-
 /// How numbered images are read, for people.
 std::string reading_of(const Work& work, const RigClips& rig) {
   return fmt::format("{}: {}", work.capture.string(),
@@ -59,50 +48,12 @@ std::string turned_hint(const RigClips& rig) {
   std::vector<std::pair<int, int>> sizes;
   for (const RigClip& clip : rig.clips)
     sizes.emplace_back(clip.timeline.width, clip.timeline.height);
-  const std::string mixed = mixed_orientation(names_of(rig), sizes);
+  const std::string mixed = mixed_orientation(rig.names(), sizes);
   return mixed.empty() ? "" : "; " + mixed + ": check whether their videos lack a rotation flag";
 }
 
-/// Whatever the clocks are and whichever cameras are left out, the common part of all clips is no
-/// longer than the longest one: refused before COLMAP has worked for minutes.
-void check_start_of_longest(const Work& work, const RigClips& rig) {
-  TimeInterval longest;
-  for (const RigClip& clip : rig.clips) {
-    const VideoTimeline& timeline = clip.timeline;
-    const double seconds = timeline.seconds(timeline.ticks.size() - 1) - timeline.seconds(0);
-    longest.last = std::max(longest.last, seconds);
-  }
-  check_start({work.options.start, {}, {}, {}}, longest, work.capture.string());
-}
-
-/// A camera that is too short whatever the clocks are is refused before COLMAP has worked for
-/// minutes. Where the clocks are not known yet, the clips are compared as if all began together.
-void check_lengths(const Work& work, const RigClips& rig) {
-  const SyncOptions& sync = work.options.sync;
-  if (rig.posed || !sync.offsets.empty()) return;
-  const bool of_images = !rig.clips.front().images.empty();
-  const bool one_clock =
-      sync.method == SyncMethod::kNone || (of_images && sync.method == SyncMethod::kAuto);
-  std::vector<std::vector<double>> seconds;
-  for (const RigClip& clip : rig.clips) {
-    const double origin = one_clock ? 0 : clip.timeline.seconds(0);
-    std::vector<double>& of_clip = seconds.emplace_back();
-    for (size_t k = 0; k < clip.timeline.ticks.size(); ++k)
-      of_clip.push_back(clip.timeline.seconds(k) - origin);
-  }
-  limit_warning(limited_clip(names_of(rig), seconds, window_of(work.options)),
-                work.capture.string());
-}
-
-void warn_of_rates(const RigClips& rig, std::vector<std::string>& warnings) {
-  std::vector<double> frame_seconds;
-  for (const RigClip& clip : rig.clips) frame_seconds.push_back(clip.timeline.frame_seconds);
-  const std::string warning = rate_warning(names_of(rig), frame_seconds);
-  if (!warning.empty()) warnings.push_back(warning);
-}
-
 /// Poses by COLMAP; cameras that it could not place are left out. Returns its points.
-PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::string>& warnings) {
+PointCloud place_cameras(const Work& work, RigClips& rig, IngestReport& report) {
   PoseEstimate estimate = [&] {
     try {
       return estimate_rig(rig.clips, rig.held_out, work.options.work / "colmap", work.options.poses,
@@ -111,12 +62,16 @@ PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::strin
       throw InputError(error.what() + turned_hint(rig) + reading_hint(work, rig));
     }
   }();
+  std::vector<std::string>& warnings = report.warnings;
   warnings.insert(warnings.end(), estimate.warnings.begin(), estimate.warnings.end());
   std::vector<char> placed;
   for (size_t i = 0; i < rig.clips.size(); ++i) {
     rig.clips[i].camera = std::move(estimate.cameras[i]);
     placed.push_back(rig.clips[i].camera.has_value());
   }
+  report.notes.push_back(
+      fmt::format("COLMAP registered {} of {} cameras, mean reprojection error {:.2f} pixels",
+                  std::count(placed.begin(), placed.end(), 1), placed.size(), estimate.error));
   rig.keep_only(placed);
   leave_out_bad_lenses(work.options.strict, rig, warnings);
   if (std::all_of(rig.held_out.begin(), rig.held_out.end(), [](char held) { return held; }))
@@ -170,61 +125,6 @@ void hold_out_frames(int64_t every, PreparedScene& scene) {
   for (const PreparedFrame& prepared : scene.frames) names.push_back(prepared.frame.name);
   const std::vector<Split> splits = every_nth_split(names, every);
   for (size_t i = 0; i < names.size(); ++i) scene.frames[i].frame.split = splits[i];
-}
-
-/// Where no camera limits the clip more than others: what is lost as they do not begin or end
-/// together.
-void warn_of_ends(const RigClips& rig, const std::vector<std::vector<double>>& timesteps,
-                  const TimeInterval& common, std::vector<std::string>& warnings) {
-  size_t begins_last = 0, ends_first = 0;
-  TimeInterval whole{timesteps[0].front(), timesteps[0].back()};
-  for (size_t i = 0; i < timesteps.size(); ++i) {
-    whole.first = std::min(whole.first, timesteps[i].front());
-    whole.last = std::max(whole.last, timesteps[i].back());
-    if (timesteps[i].front() > timesteps[begins_last].front()) begins_last = i;
-    if (timesteps[i].back() < timesteps[ends_first].back()) ends_first = i;
-  }
-  const double enough = 1.5 * rig.clips.front().timeline.frame_seconds;
-  if (common.first - whole.first > enough)
-    warnings.push_back(
-        fmt::format("{} begins {:.3f} s after the first camera; frames before that are not used",
-                    rig.clips[begins_last].video.filename().string(), common.first - whole.first));
-  if (whole.last - common.last > enough)
-    warnings.push_back(fmt::format(
-        "{} ends {:.3f} s before the last camera, at {:.3f} s; frames after that are not used",
-        rig.clips[ends_first].video.filename().string(), whole.last - common.last, common.last));
-}
-
-/// Which frames of each clip are kept: those that lie in the common part of all clips and in what
-/// was asked for.
-std::vector<std::vector<size_t>> frames_of_clips(const Work& work, const RigClips& rig,
-                                                 const std::vector<std::vector<double>>& timesteps,
-                                                 std::vector<std::string>& warnings) {
-  const FrameWindow window = window_of(work.options);
-  const TimeInterval common = common_interval(timesteps);
-  const std::string limited = limit_warning(limited_clip(names_of(rig), timesteps, window),
-                                            work.capture.string());
-  if (common.empty())
-    throw InputError(fmt::format(
-        "{}: the cameras have no timestep in common; state their clocks with --offsets, or leave "
-        "some out with --cameras",
-        work.capture.string()));
-  check_start(window, common, work.capture.string());
-  if (limited.empty())
-    warn_of_ends(rig, timesteps, common, warnings);
-  else
-    warnings.push_back(limited);
-  std::vector<std::vector<size_t>> chosen;
-  for (size_t i = 0; i < rig.clips.size(); ++i) {
-    chosen.push_back(choose_frames(timesteps[i], window, common));
-    if (chosen.back().empty())
-      throw InputError(fmt::format(
-          "{}: has no frame between {:.3f} s and {:.3f} s, where all cameras have some; change "
-          "--start, --duration or --fps, state the clocks with --offsets, or leave the camera out "
-          "with --cameras",
-          rig.clips[i].video.string(), common.first, common.last));
-  }
-  return chosen;
 }
 
 void record_camera(const RigClip& clip, const ClipClock& clock, const PreparedClip& prepared,
@@ -293,21 +193,20 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   IngestReport report;
   RigClips rig = open_rig_clips(capture, options, report.warnings);
   if (options.layout == CaptureLayout::kSequences) report.notes.push_back(reading_of(work, rig));
-  check_start_of_longest(work, rig);
-  check_lengths(work, rig);
-  warn_of_rates(rig, report.warnings);
+  check_clips(capture, options, rig, report.warnings);
   if (!rig.posed && rig.clips.size() == 1) return convert_moving(work, rig, std::move(report));
   if (options.test_every && rig.clips.size() > 1)
     throw InputError(
         "--test-every is given, but of several cameras whole ones are held out; pass --held-out "
         "with their names");
-  PointCloud points = rig.posed ? find_points(capture, "", report.warnings)
-                                : place_cameras(work, rig, report.warnings);
+  PointCloud points =
+      rig.posed ? find_points(capture, "", report.warnings) : place_cameras(work, rig, report);
   const bool of_images = !rig.clips.front().images.empty();
   const ClipClocks clocks = synchronise(rig.clips, sync_of(of_images, options.sync), progress);
   report.warnings.insert(report.warnings.end(), clocks.warnings.begin(), clocks.warnings.end());
+  if (rig.clips.size() > 1) report.notes.push_back(clock_note(rig.names(), clocks.clocks));
   const auto timesteps = rig_timesteps(rig, clocks);
-  const auto chosen = frames_of_clips(work, rig, timesteps, report.warnings);
+  const auto chosen = kept_frames(capture, options, rig, timesteps, report.warnings);
 
   PreparedScene scene;
   scene.layout = of_images ? "sequences" : rig.posed ? "n3dv" : "videos";

@@ -172,7 +172,7 @@ BatchFolder read_batch(const fs::path& root) {
 }
 
 std::string batch_summary(const BatchFolder& batch) {
-  return fmt::format("{} of {} runs done, {} failed, {} not run; {} of {} scenes whole",
+  return fmt::format("{} of {} runs done, {} failed, {} not run; {} of {} scenes complete",
                      batch.count(RunState::kDone), batch.runs.size(),
                      batch.count(RunState::kFailed), batch.count(RunState::kMissing),
                      batch.whole_scenes(), batch.scenes().size());

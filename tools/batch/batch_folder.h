@@ -55,7 +55,7 @@ nlohmann::json read_object(const std::filesystem::path& file, std::vector<std::s
 /// InputError: `root` is no folder of a batch: it has neither batch.yaml nor runs/ nor failures/.
 BatchFolder read_batch(const std::filesystem::path& root);
 
-/// "10 of 12 runs done, 1 failed, 1 not run; 3 of 4 scenes whole".
+/// "10 of 12 runs done, 1 failed, 1 not run; 3 of 4 scenes complete".
 std::string batch_summary(const BatchFolder& batch);
 
 }  // namespace tessera

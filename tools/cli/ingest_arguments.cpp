@@ -192,8 +192,10 @@ IngestReport ingest_with_progress(const std::filesystem::path& capture,
                                   const std::string& label) {
   const SceneLock replaced(out, SceneLock::Use::kReplace);
   ProgressBar bar(label);
+  IngestOptions checked = options;
+  checked.check_cameras = true;
   const IngestReport report = ingest_capture(
-      capture, out, options, [&](std::string_view what, int64_t done, int64_t total) {
+      capture, out, checked, [&](std::string_view what, int64_t done, int64_t total) {
         stop_if_interrupted();
         bar.update(done, total, what);
       });

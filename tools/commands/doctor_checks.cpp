@@ -85,8 +85,17 @@ void add_coverage_and_cloud(const Scene& all, const Scene& sample, DoctorReport&
                             {"colour_ratio", cloud.colour_ratio}};
 }
 
-void add_times(const ThinnedScene& scene, DoctorReport& report) {
-  const SceneTimes times = check_times(scene.all);
+/// Of clips: a transforms file states times in a unit of its own.
+bool times_are_seconds(const std::filesystem::path& folder) {
+  if (!is_prepared_scene(folder)) return false;
+  const json object = read_json(folder / "transforms.json").at("tessera");
+  const std::string layout = string_at(object, "layout", folder.string());
+  return layout == "videos" || layout == "n3dv" || layout == "sequences";
+}
+
+void add_times(const ThinnedScene& scene, const std::filesystem::path& folder,
+               DoctorReport& report) {
+  const SceneTimes times = check_times(scene.all, times_are_seconds(folder));
   add(times.findings, report);
   const double moving = dynamic_share(scene.sample);
   if (moving >= 0)
@@ -196,7 +205,7 @@ void examine(const ThinnedScene& scene, const std::filesystem::path& folder, Doc
   add_orientation(scene.all, report);
   add_sharpness(scene.sample, report);
   add_coverage_and_cloud(scene.all, scene.sample, report);
-  add_times(scene, report);
+  add_times(scene, folder, report);
   add_clocks(scene.all, folder, report);
   const Leakage leakage = check_leakage(scene.all, scene.images);
   add(leakage.findings, report);

@@ -181,8 +181,8 @@ std::optional<std::string> resolve_near_plane(const Scene& scene, TrainOptions& 
     return fmt::format("near plane: no camera sees enough points to measure it, so it is {:g}",
                        options.near_plane);
   return fmt::format(
-      "near plane: the cameras see the first points at a depth of {:.3g}, so nothing is drawn "
-      "nearer than {:.3g}; --near-plane {:g} does as other trainers",
+      "near plane: the points nearest to the cameras are at a depth of {:.3g}, so Gaussians nearer "
+      "than {:.3g} are not drawn; --near-plane {:g} is the fixed distance of 3DGS",
       *nearest, options.near_plane, TrainOptions().near_plane);
 }
 

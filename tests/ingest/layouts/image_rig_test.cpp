@@ -81,7 +81,8 @@ TEST_F(ImageRig, FramesCamerasTimesAndSplits) {
   EXPECT_EQ(report.frames, 14);
   EXPECT_EQ(report.cameras, 3);
   EXPECT_EQ(report.scored, "will be scored: 5 test views (camera 0)");
-  ASSERT_EQ(report.notes.size(), 1u);
+  ASSERT_EQ(report.notes.size(), 2u);
+  EXPECT_EQ(report.notes[1], "clocks: the times of the files are taken as they are");
   for (const char* part : {"3 cameras that film together", "N / 30 s", "--layout photos"})
     EXPECT_NE(report.notes[0].find(part), std::string::npos) << report.notes[0];
   EXPECT_NE(report.warnings.at(0).find("camera 1 has a gap"), std::string::npos);

@@ -262,7 +262,7 @@ TEST(BatchFolder, NothingDoneYet) {
       folder / "asked.json",
       json{{"scenes", {{{"name", "room"}}}}, {"variants", {fast}}, {"seeds", {1}}}.dump());
   const json all = batch_report(read_batch(folder.path()));
-  EXPECT_EQ(all["summary"], "0 of 1 runs done, 0 failed, 1 not run; 0 of 1 scenes whole");
+  EXPECT_EQ(all["summary"], "0 of 1 runs done, 0 failed, 1 not run; 0 of 1 scenes complete");
   const std::string page = batch_page(all, {});
   EXPECT_NE(page.find("Nothing is done yet"), std::string::npos);
   EXPECT_NE(page.find("<code>fast "), std::string::npos);  // of a variant without options

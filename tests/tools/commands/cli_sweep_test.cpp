@@ -40,8 +40,9 @@ TEST(CliSweep, CompletesAScene) {
   write_wall(work / "wall");
   const std::string reported = trained(work, "wall", "on", "true");
   const std::regex sweep(
-      "plane sweep: ([0-9]+) points in [^;]* still ones at 2 timesteps and moving ones at 2; "
-      "([0-9]+) move");
+      "plane sweep: ([0-9]+) points in [^;]* of static things at 2 timesteps and of moving ones at "
+      "2; "
+      "([0-9]+) points move");
   std::smatch found;
   ASSERT_TRUE(std::regex_search(reported, found, sweep)) << reported;
   EXPECT_GT(std::stoi(found[1]), 500);

@@ -173,7 +173,7 @@ TEST_F(CliWorkflow, TheLastLineReportsTheOutcome) {
          work.at("out/failures/one.json") + "\nexit 0");
   const ChildResult result = work.run(arguments({"--preset", "fast", "--seeds", "1,2,3"}));
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_NE(result.out.find("1 of 3 runs done, 1 failed, 1 not run; 0 of 1 scenes whole"),
+  EXPECT_NE(result.out.find("1 of 3 runs done, 1 failed, 1 not run; 0 of 1 scenes complete"),
             std::string::npos)
       << result.out;
   for (const char* place : {"out/report/index.html", "out/failures"})

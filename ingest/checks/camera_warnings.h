@@ -1,0 +1,15 @@
+// Warnings of cameras of a rig that differ from the others: turned ones, and darker or brighter
+// ones. These checks of `doctor` are cheap enough for every preparation.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "ingest/scene.h"
+
+namespace tessera {
+
+/// One line each, with the camera's name and what to do. `all`: every frame, pixels are not needed;
+/// `sample`: a few frames of each camera, with pixels.
+std::vector<std::string> camera_warnings(const Scene& all, const Scene& sample);
+
+}  // namespace tessera

@@ -1,0 +1,27 @@
+// Which frames of the clips of a rig are kept: those of the window that was asked for, within the
+// time that all clips show. Cameras that limit it and cameras of another rate are named.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ingest/layouts/rig_clips.h"
+
+namespace tessera {
+
+/// What the lengths and rates of the clips tell before COLMAP has worked for minutes. Errors:
+/// InputError: --start is after the end of all clips; one camera is less than half as long as the
+/// others, without poses or stated clocks.
+void check_clips(const std::filesystem::path& capture, const IngestOptions& options,
+                 const RigClips& rig, std::vector<std::string>& warnings);
+
+/// Indices of the kept frames of each clip, increasing. `timesteps`: the times of each clip's
+/// frames on the rig's clock, seconds. What is lost as cameras begin or end apart is warned of.
+/// Errors: InputError: nothing in common, --start after the end, a camera that leaves less than
+/// half of what the others have, a camera without a frame in the window.
+std::vector<std::vector<size_t>> kept_frames(const std::filesystem::path& capture,
+                                             const IngestOptions& options, const RigClips& rig,
+                                             const std::vector<std::vector<double>>& timesteps,
+                                             std::vector<std::string>& warnings);
+
+}  // namespace tessera
