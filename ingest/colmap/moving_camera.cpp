@@ -5,6 +5,7 @@
 
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/colmap/colmap_workspace.h"
+#include "ingest/colmap/pose_cache.h"
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
@@ -49,9 +50,15 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bo
   key.add(fmt::format("moving 1, colmap {}, {} {} {}", colmap.version(), lens,
                       options.intrinsics_per_camera, in_order));
   for (const auto& file : files) key.add(file.string() + " " + source_hash(file) + "\n");
+  MovingCameraModel result;
+  result.images = files.size();
+  const PoseCache cache(in_order ? std::filesystem::path() : options.cache);  // not of a video
+  if (!work.holds(key.hex())) {
+    work.clear();
+    result.reused = cache.fetch(key.hex(), work);
+  }
   const bool is_known = work.holds(key.hex());
   if (!is_known) {
-    work.clear();
     const std::string source = std::filesystem::absolute(images).string();
     const std::string database = work.database.string();
     ColmapOptions reading{{"--database_path", database},
@@ -78,15 +85,16 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bo
       failure.rethrow(names_of(files), kMoreImages);
     }
   }
-  MovingCameraModel result;
-  result.images = files.size();
   result.folder = largest_colmap_model(work.sparse, files.size(), result.warnings);
   if (result.folder.empty())
     throw InputError(fmt::format("{}: COLMAP made no model of it; {}; its log: {}", images.string(),
                                  kMoreImages, colmap.log().string()));
   const size_t registered = read_colmap_model(result.folder).photos.size();
   // not before the model was read: its files may be incomplete
-  if (!is_known) work.store_key(key.hex());
+  if (!is_known) {
+    work.store_key(key.hex());
+    cache.keep(key.hex(), work);
+  }
   const std::string seen = fmt::format("{}: COLMAP registered {} of {} images", images.string(),
                                        registered, files.size());
   if (registered < files.size() && options.strict)

@@ -13,6 +13,9 @@
 
 namespace tessera {
 
+/// Said after what COLMAP found where it was not run.
+inline constexpr const char* kReused = " (kept from an earlier command; COLMAP was not run again)";
+
 struct PoseEstimate {
   std::vector<std::optional<RigCamera>> cameras;  // one a clip; empty where it was not registered
   PointCloud points;                              // of the training cameras only

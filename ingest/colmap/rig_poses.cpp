@@ -6,6 +6,7 @@
 
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/colmap/colmap_workspace.h"
+#include "ingest/colmap/pose_cache.h"
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/images/image_paths.h"
@@ -204,6 +205,13 @@ void RigSolver::triangulate_training(const std::vector<char>& held_out,
   points.store_key(key);
 }
 
+/// Whether `work` has the poses of `key` and either the points of `split` or what makes them: a
+/// result of the cache has no database.
+bool is_known(const ColmapWorkspace& work, const std::string& key, const std::string& split) {
+  return work.holds(key) && (std::filesystem::exists(work.database) ||
+                             ColmapWorkspace(work.folder / "points").holds(split));
+}
+
 }  // namespace
 
 PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<char>& held_out,
@@ -222,12 +230,20 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<c
     solver.names.push_back(ColmapWorkspace::image_name(i, stills[i].image));
     solver.max_error = std::max(solver.max_error, tight_error(stills[i].image.width));
   }
+  Fnv1a split = key;
+  split.add(held_out.data(), held_out.size());
   PoseEstimate estimate;
+  const PoseCache cache(options.cache);
+  const bool was_known = is_known(work, key.hex(), split.hex());
+  if (!was_known) {
+    work.clear();
+    estimate.reused = cache.fetch(split.hex(), work);
+  }
   const auto largest = solver.solve(stills, key.hex(), estimate.warnings);
   estimate.cameras.resize(clips.size());
   if (!largest.empty()) {
-    key.add(held_out.data(), held_out.size());
-    solver.triangulate_training(held_out, key.hex());
+    solver.triangulate_training(held_out, split.hex());
+    if (!was_known && !estimate.reused) cache.keep(split.hex(), work);
     for (const ColmapPhoto& photo : read_colmap_model(solver.chosen()).photos) {
       const size_t i = solver.clip_of(photo.name);
       estimate.cameras[i] = {clips[i].name, photo.camera, photo.lens, photo.lens_model};

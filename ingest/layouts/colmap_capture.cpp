@@ -233,9 +233,9 @@ Converted convert_bare_photos(const std::filesystem::path& capture,
   MovingCameraModel estimate =
       estimate_moving_camera(images, false, options.work / "colmap", options.poses, progress);
   ColmapModel model = read_colmap_model(estimate.folder);
-  const std::string registered =
-      fmt::format("COLMAP registered {} of {} photos, mean reprojection error {:.2f} pixels",
-                  model.photos.size(), estimate.images, model.error);
+  const std::string registered = fmt::format(
+      "COLMAP registered {} of {} photos, mean reprojection error {:.2f} pixels{}",
+      model.photos.size(), estimate.images, model.error, estimate.reused ? kReused : "");
   Converted converted =
       convert_photos(capture, images, std::move(model), folder, options, progress);
   converted.scene.layout = "photos";

@@ -70,8 +70,9 @@ PointCloud place_cameras(const Work& work, RigClips& rig, IngestReport& report) 
     placed.push_back(rig.clips[i].camera.has_value());
   }
   report.notes.push_back(
-      fmt::format("COLMAP registered {} of {} cameras, mean reprojection error {:.2f} pixels",
-                  std::count(placed.begin(), placed.end(), 1), placed.size(), estimate.error));
+      fmt::format("COLMAP registered {} of {} cameras, mean reprojection error {:.2f} pixels{}",
+                  std::count(placed.begin(), placed.end(), 1), placed.size(), estimate.error,
+                  estimate.reused ? kReused : ""));
   rig.keep_only(placed);
   leave_out_bad_lenses(work.options.strict, rig, warnings);
   if (std::all_of(rig.held_out.begin(), rig.held_out.end(), [](char held) { return held; }))

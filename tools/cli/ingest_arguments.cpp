@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "ingest/files/cache_folder.h"
 #include "ingest/layouts/capture_layout.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/interrupt.h"
@@ -146,6 +147,8 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
   options.poses.intrinsics_per_camera = value_of<bool>({{"shared", false}, {"per-camera", true}},
                                                        arguments.intrinsics, "--intrinsics");
   options.poses.strict = options.strict;
+  if (const auto cache = user_cache_folder(); !cache.empty())
+    options.poses.cache = cache / "colmap";
   if (!arguments.layout.empty())
     options.image_layout = value_of<ImageLayout>({{"rig", ImageLayout::kRig},
                                                   {"photos", ImageLayout::kPhotos},

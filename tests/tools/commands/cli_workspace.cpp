@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -12,6 +13,7 @@
 namespace tessera::testing {
 
 CliWorkspace::CliWorkspace() {
+  ::setenv("XDG_CACHE_HOME", at("cache").c_str(), 1);  // nothing from other tests, nothing left
   const ChildResult made = run({"synth", "object", "-o", at("capture"), "--layout", "dnerf",
                                 "--frames", "2", "--held-out-frames", "1", "--width", "32",
                                 "--height", "32", "--supersampling", "1", "--points", "50"});
