@@ -2,6 +2,9 @@
 #include "recon4d/options/forecast.h"
 
 #include <algorithm>
+#include <map>
+#include <set>
+#include <vector>
 
 #include "kernels/gaussians.h"
 #include "kernels/math/spherical_harmonics.h"
@@ -11,7 +14,14 @@ namespace {
 
 // A set without a limit: 1.0 million on dnerf_lego and 1.1 on bonsai after 30,000 steps.
 constexpr int64_t kUnlimited = 1000000;
-constexpr int64_t kPixelBytes = 68;  // eight floats a pixel, nine for the loss
+// Where one camera sees a timestep growth ends before its limit: 100,000 in 7,000 steps at most.
+constexpr int64_t kGrownOfOneCamera = 100000, kStepsOfGrowth = 7000;
+constexpr int64_t kMiB = int64_t{1} << 20;
+constexpr int64_t kProgram = 60 * kMiB;      // code, threads and what a training reads first
+constexpr int64_t kWithDevice = 252 * kMiB;  // the same with the libraries of a device
+constexpr int64_t kOnDevice = 48 * kMiB;     // of scratch memory and blocks that are not full
+constexpr int64_t kDecision = 1700;          // bytes of a Gaussian whose motion is decided on
+constexpr int64_t kPixelBytes = 68;          // eight floats a pixel, nine for the loss
 constexpr int64_t kSplatBytes = 168;
 // Of motion nodes: weights and sorted bindings of a Gaussian; its place in a view and gradients.
 constexpr int64_t kBindingBytes = 176, kCarriedBytes = 73;
@@ -26,6 +36,33 @@ constexpr double kGpuPixel = 0.05e-9, kGpuSplat = 0.45e-9;  //   on an H200
 int64_t element_bytes(SetForm form, int64_t time_levels) {
   const int64_t sh = 3 * kMaxShCoefficients * (1 + time_levels);
   return (trained_geometry_scalars(form) + 2 * sh) * int64_t(sizeof(float));
+}
+
+/// A value of each scalar.
+int64_t value_bytes(SetForm form, int64_t time_levels) {
+  const int64_t sh = 3 * kMaxShCoefficients * (1 + time_levels);
+  return (trained_geometry_scalars(form) / 3 + sh) * int64_t(sizeof(float));
+}
+
+int64_t grown(const ForecastLoad& load, const TrainOptions& options) {
+  const int64_t limit = growth_limit(options);
+  if (limit == 0) return kUnlimited;
+  if (load.rig) return limit;
+  return std::min(limit, kGrownOfOneCamera * options.iterations / kStepsOfGrowth);
+}
+
+/// Of a mask whose pixels are not among `known`, which it joins.
+int64_t new_bytes(const FrameMask& mask, std::set<const Image8*>& known) {
+  if (mask.shared() == nullptr || !known.insert(mask.shared()).second) return 0;
+  return int64_t(mask.image().width) * mask.image().height;
+}
+
+/// Whether these frames of a camera have a median over time, by which moving pixels are marked.
+bool has_median(const std::vector<const Frame*>& frames) {
+  constexpr size_t kLeast = 3;  // DynamicRegions::kLeastMoments
+  return frames.size() >= kLeast &&
+         std::all_of(frames.begin(), frames.end(),
+                     [&](const Frame* frame) { return frame->camera == frames.front()->camera; });
 }
 
 /// Of the larger set.
@@ -47,21 +84,58 @@ void add_trials(ForecastLoad load, TrainOptions options, TrainForecast& forecast
 
 }  // namespace
 
+ForecastLoad forecast_load(const Scene& scene) {
+  ForecastLoad load;
+  std::set<const Image8*> masks, training_masks;
+  std::map<std::string, std::vector<const Frame*>> cameras;  // by name, of training frames
+  for (const Frame& frame : scene.frames) {
+    const int64_t pixels = int64_t(frame.camera.width) * frame.camera.height;
+    load.image_bytes += 3 * pixels;
+    load.mask_bytes += new_bytes(frame.mask, masks);
+    if (frame.split != Split::kTrain) continue;
+    ++load.training_frames;
+    load.pixels = std::max(load.pixels, pixels);
+    load.training_bytes += 3 * pixels;
+    load.training_mask_bytes += new_bytes(frame.mask, training_masks);
+    cameras[frame.camera_name].push_back(&frame);
+  }
+  std::set<const Image8*> kept;
+  for (const auto& [name, frames] : cameras)
+    for (const Frame* const frame : frames)
+      load.moving_mask_bytes += has_median(frames)
+                                    ? int64_t(frame->camera.width) * frame->camera.height
+                                    : new_bytes(frame->mask, kept);
+  const int64_t timesteps = scene.timesteps_of(Split::kTrain);
+  load.rig = timesteps > 1 && load.training_frames > timesteps;
+  return load;
+}
+
 TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& options) {
   TrainForecast forecast;
-  forecast.gaussians =
-      std::max(options.init_points, growth_limit(options) > 0 ? growth_limit(options) : kUnlimited);
-  forecast.frame_bytes = load.all_bytes;
+  forecast.gaussians = std::max(options.init_points, grown(load, options));
+  const bool weighs_motion = options.moving_weight > 0;
+  forecast.device_frame_bytes =
+      load.training_bytes + (weighs_motion ? load.moving_mask_bytes : load.training_mask_bytes);
+  forecast.frame_bytes =
+      load.image_bytes + load.mask_bytes + (weighs_motion ? load.moving_mask_bytes : 0);
   const SetForm form = trained_form(options.motion);
   const bool in_time = form == SetForm::kPair || form == SetForm::kVelocity;
-  forecast.parameter_bytes =
-      forecast.gaussians * element_bytes(form, in_time ? options.sh_time_degree : 0);
+  const int64_t time_levels = in_time ? options.sh_time_degree : 0;
+  forecast.parameter_bytes = forecast.gaussians * element_bytes(form, time_levels);
   const int64_t batch = std::min(options.batch, std::max<int64_t>(1, load.training_frames));
   const double splats = kVisible * double(forecast.gaussians) * double(batch);
   forecast.step_bytes = batch * load.pixels * kPixelBytes + int64_t(splats) * kSplatBytes;
   if (form == SetForm::kCanonical)
     forecast.step_bytes += forecast.gaussians * (kBindingBytes + batch * kCarriedBytes);
-  forecast.total_bytes = forecast.frame_bytes + forecast.parameter_bytes + forecast.step_bytes;
+  // gradients, and the set again while it changes its length
+  const int64_t values = forecast.gaussians * value_bytes(form, time_levels);
+  forecast.step_bytes += values + forecast.parameter_bytes;
+  if (form != SetForm::kStatic && options.decide_motion)
+    forecast.step_bytes += forecast.gaussians * kDecision;
+  const int64_t model_bytes = forecast.parameter_bytes + forecast.step_bytes;
+  forecast.total_bytes = kProgram + forecast.frame_bytes + model_bytes;
+  forecast.host_bytes = kWithDevice + forecast.frame_bytes + forecast.parameter_bytes;
+  forecast.device_bytes = kOnDevice + forecast.device_frame_bytes + model_bytes;
   const double steps = double(options.iterations);
   const double pixels = double(batch) * double(load.pixels);
   const double elements = kMeanShare * double(forecast.gaussians) * double(batch);

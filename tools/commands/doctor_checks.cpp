@@ -157,15 +157,9 @@ double gib(int64_t bytes) {
 }
 
 void add_forecast(const Scene& all, DoctorReport& report) {
-  ForecastLoad load;
-  for (const Frame& frame : all.frames) {
-    if (frame.split != Split::kTrain) continue;
-    const int64_t pixels = int64_t(frame.camera.width) * frame.camera.height;
-    ++load.training_frames;
-    load.pixels = std::max(load.pixels, pixels);
-    load.all_bytes += 3 * pixels;
-  }
+  ForecastLoad load = forecast_load(all);
   load.threads = thread_count();
+  int64_t most_frames = 0;
   json table = json::object();
   const SceneFacts facts = facts_of(all);
   for (const Preset& preset : presets()) {
@@ -173,25 +167,30 @@ void add_forecast(const Scene& all, DoctorReport& report) {
     apply_preset(options, preset.name, facts);
     const TrainForecast f = forecast_training(load, options);
     table[preset.name] = {
-        {"iterations", options.iterations}, {"gaussians", f.gaussians},
-        {"frame_bytes", f.frame_bytes},     {"parameter_bytes", f.parameter_bytes},
-        {"step_bytes", f.step_bytes},       {"total_bytes", f.total_bytes},
-        {"cpu_seconds", f.cpu_seconds},     {"gpu_seconds", f.gpu_seconds}};
+        {"iterations", options.iterations},     {"gaussians", f.gaussians},
+        {"frame_bytes", f.frame_bytes},         {"device_frame_bytes", f.device_frame_bytes},
+        {"parameter_bytes", f.parameter_bytes}, {"step_bytes", f.step_bytes},
+        {"total_bytes", f.total_bytes},         {"host_bytes", f.host_bytes},
+        {"device_bytes", f.device_bytes},       {"cpu_seconds", f.cpu_seconds},
+        {"gpu_seconds", f.gpu_seconds}};
+    most_frames = std::max(most_frames, f.frame_bytes);
     if (preset.name != "fast" && preset.name != "balanced") continue;
     add({{Severity::kInfo, "forecast", "",
-          fmt::format("--preset {}: {:.2f} GiB ({:.2f} of them frames), about {} on this CPU, {} "
-                      "on an H200 (by a model of measured runs, within a factor of 3)",
-                      preset.name, gib(f.total_bytes), gib(f.frame_bytes),
-                      clock_time(f.cpu_seconds), clock_time(f.gpu_seconds)),
+          fmt::format("--preset {}: {:.2f} GiB on this CPU in about {}; with a GPU {:.2f} GiB, and "
+                      "{:.2f} GiB of its own memory, in {} on an H200; {:.2f} GiB are frames and "
+                      "masks (seconds within a factor of 3)",
+                      preset.name, gib(f.total_bytes), clock_time(f.cpu_seconds), gib(f.host_bytes),
+                      gib(f.device_bytes), clock_time(f.gpu_seconds), gib(f.frame_bytes)),
           ""}},
         report);
   }
   report.tables["forecast"] = std::move(table);
   const int64_t memory = machine_memory();
-  if (load.all_bytes > memory * 8 / 10)
+  if (most_frames > memory * 8 / 10)
     add({{Severity::kError, "forecast", "",
-          fmt::format("the training frames take {:.1f} GiB, this machine has {:.1f}",
-                      gib(load.all_bytes), gib(memory)),
+          fmt::format("the frames of all splits and their masks take {:.1f} GiB, this machine has "
+                      "{:.1f}",
+                      gib(most_frames), gib(memory)),
           "prepare with a smaller --scale or fewer --frames"}},
         report);
 }

@@ -149,7 +149,8 @@ TEST_F(CliTrainings, AHalfDoneCellResumesFromItsCheckpoint) {
   fs::remove(cell("fast/6/1") / "result.json");
   ASSERT_EQ(work.run(half).exit_code, 2) << "holds a run";
   Words other = half;
-  other.insert(other.end(), {"--overwrite", "--lr-sh", "0.01"});
+  other.insert(other.end(), {"--lr-sh", "0.01"});
+  fs::remove_all(cell("fast/6/1"));
   ASSERT_EQ(work.run(other).exit_code, 0);
   ASSERT_EQ(work.run(rest).exit_code, 0);
   const auto model = work.read("out/runs/capture/fast/6/1/model.ply");

@@ -234,8 +234,10 @@ TEST_F(CliWorkflow, ABadConfigurationIsOneLine) {
   fs::copy(work / "capture", work / "other/capture", fs::copy_options::recursive);
   refused({"batch", work.at("capture"), work.at("other/capture"), "-o", work.at("out")},
           {"two captures are named 'capture'", work.at("other/capture"), "rename"});
-  fs::copy(work / "capture", work / "a b", fs::copy_options::recursive);
-  refused({"batch", work.at("a b"), "-o", work.at("out")}, {"'a b'", "rename"});
+  for (const char* folder : {"a b", "a_b"})
+    fs::copy(work / "capture", work / folder, fs::copy_options::recursive);
+  refused({"batch", work.at("a b"), work.at("a_b"), "-o", work.at("out")},
+          {"two captures are named 'a_b'", "rename"});
   work.write("file", "");
   refused({"batch", work.at("capture"), "-o", work.at("file/out")}, {"file/out"});
   fs::remove(work / "bin/snakemake");
