@@ -106,6 +106,7 @@ ForecastLoad forecast_load(const Scene& scene) {
                                     ? int64_t(frame->camera.width) * frame->camera.height
                                     : new_bytes(frame->mask, kept);
   const int64_t timesteps = scene.timesteps_of(Split::kTrain);
+  load.still = timesteps <= 1;
   load.rig = timesteps > 1 && load.training_frames > timesteps;
   return load;
 }
@@ -118,7 +119,7 @@ TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& op
       load.training_bytes + (weighs_motion ? load.moving_mask_bytes : load.training_mask_bytes);
   forecast.frame_bytes =
       load.image_bytes + load.mask_bytes + (weighs_motion ? load.moving_mask_bytes : 0);
-  const SetForm form = trained_form(options.motion);
+  const SetForm form = load.still ? SetForm::kStatic : trained_form(options.motion);
   const bool in_time = form == SetForm::kPair || form == SetForm::kVelocity;
   const int64_t time_levels = in_time ? options.sh_time_degree : 0;
   forecast.parameter_bytes = forecast.gaussians * element_bytes(form, time_levels);
@@ -142,7 +143,7 @@ TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& op
   forecast.cpu_seconds =
       steps * (kCpuPixel * pixels + kCpuSplat * elements) / std::max(1, load.threads);
   forecast.gpu_seconds = steps * (kGpuStep + kGpuPixel * pixels + kGpuSplat * elements);
-  if (options.motion == Motion::kAuto) add_trials(load, options, forecast);
+  if (options.motion == Motion::kAuto && !load.still) add_trials(load, options, forecast);
   return forecast;
 }
 

@@ -20,6 +20,7 @@ struct ForecastLoad {
   int64_t training_bytes = 0;  // of the images of training frames
   int64_t training_mask_bytes = 0;
   int64_t moving_mask_bytes = 0;  // of training frames, in place of those (moving_masks)
+  bool still = false;             // one timestep
   bool rig = false;               // several cameras see a timestep of several
   int threads = 1;                // of the CPU
 };
