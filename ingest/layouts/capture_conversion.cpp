@@ -44,16 +44,12 @@ void check_options(const IngestOptions& options) {
 }
 
 /// Options that some layouts alone have.
-void check_layout_options(CaptureLayout layout, const IngestOptions& o) {
-  const bool videos = layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos ||
-                      layout == CaptureLayout::kSequences;
-  const bool photos = layout == CaptureLayout::kColmap || layout == CaptureLayout::kLlff ||
-                      layout == CaptureLayout::kPhotos;
+void check_layout_options(const LayoutRow& layout, const IngestOptions& o) {
+  const bool videos = layout.clips, photos = layout.photos, estimated = layout.estimates_poses;
   struct Row {
     bool given, fits;
     const char *name, *what;
   };
-  const bool estimated = videos || layout == CaptureLayout::kPhotos;
   for (const Row& row :
        {Row{!o.images.empty(), photos, "--images", "photos"},
         {o.frames.has_value(), !photos, "--frames", "several timesteps"},
@@ -66,7 +62,7 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& o) {
         {o.poses.intrinsics_per_camera, estimated, "--intrinsics", "poses to be estimated"}})
     if (row.given && !row.fits)
       throw InputError(fmt::format("{} is given, but this capture ({}) has no {}; leave it out",
-                                   row.name, layout_name(layout), row.what));
+                                   row.name, layout.name, row.what));
 }
 
 /// Numbers of images become seconds by --fps, which is then used up.
@@ -99,7 +95,7 @@ IngestReport convert_staged(const std::filesystem::path& capture, const std::fil
                             IngestOptions options, const IngestProgress& progress) {
   check_options(options);
   const CaptureLayout layout = layout_of(capture, options);
-  check_layout_options(layout, options);
+  check_layout_options(row_of(layout), options);
   options.layout = layout;
   if (layout == CaptureLayout::kSequences) take_image_rate(options);
   if (options.work.empty()) options.work = std::filesystem::path(out).concat(".work");

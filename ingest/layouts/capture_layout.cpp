@@ -37,24 +37,25 @@ std::vector<fs::path> videos_in(const fs::path& folder) {
   return videos;
 }
 
-const char* layout_name(CaptureLayout layout) {
-  switch (layout) {
-    case CaptureLayout::kTransforms:
-      return "transforms";
-    case CaptureLayout::kN3dv:
-      return "n3dv";
-    case CaptureLayout::kColmap:
-      return "colmap";
-    case CaptureLayout::kLlff:
-      return "llff";
-    case CaptureLayout::kVideos:
-      return "videos";
-    case CaptureLayout::kSequences:
-      return "sequences";
-    case CaptureLayout::kPhotos:
-      return "photos";
-  }
-  return "";
+const std::vector<LayoutRow>& layout_rows() {
+  using enum CaptureLayout;
+  // clips, photos, estimates poses, stated world
+  static const std::vector<LayoutRow> rows{{kTransforms, "transforms", false, false, false, true},
+                                           {kN3dv, "n3dv", true, false, true, false},
+                                           {kColmap, "colmap", false, true, false, false},
+                                           {kLlff, "llff", false, true, false, false},
+                                           {kVideos, "videos", true, false, true, false},
+                                           {kSequences, "sequences", true, false, true, false},
+                                           {kPhotos, "photos", false, true, true, false}};
+  return rows;
+}
+
+const LayoutRow& row_of(CaptureLayout layout) {
+  const std::vector<LayoutRow>& rows = layout_rows();
+  const auto row = std::find_if(rows.begin(), rows.end(),
+                                [&](const LayoutRow& r) { return r.layout == layout; });
+  check(row != rows.end(), "a layout without a row");
+  return *row;
 }
 
 bool has_images(const fs::path& capture) {

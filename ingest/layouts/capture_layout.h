@@ -17,8 +17,22 @@ std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder
 /// come from. Errors: as detect_layout, and where the stated poses do not fit what is there.
 CaptureLayout layout_of(const std::filesystem::path& capture, const IngestOptions& options);
 
-/// The word for it: "transforms", "n3dv", "colmap", …
-const char* layout_name(CaptureLayout layout);
+/// What holds for every capture of a layout.
+struct LayoutRow {
+  CaptureLayout layout;
+  const char* name;      // as reports and prepared scenes state it
+  bool clips;            // recordings of cameras, which have clocks, rates and a length
+  bool photos;           // of one scene that stands still
+  bool estimates_poses;  // where none are there
+  bool stated_world;     // which protocols and other programs rely on
+};
+
+/// One a layout.
+const std::vector<LayoutRow>& layout_rows();
+const LayoutRow& row_of(CaptureLayout layout);
+inline const char* layout_name(CaptureLayout layout) {
+  return row_of(layout).name;
+}
 /// True where images lie in `capture` itself or in a folder images… directly below it.
 bool has_images(const std::filesystem::path& capture);
 

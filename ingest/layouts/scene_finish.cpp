@@ -10,6 +10,7 @@
 #include "ingest/cloud/initial_cloud.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
+#include "ingest/layouts/capture_layout.h"
 #include "ingest/layouts/conversion.h"
 #include "ingest/layouts/mask_source.h"
 #include "ingest/layouts/thinned_scene.h"
@@ -47,12 +48,6 @@ void normalise_world(Converted& converted) {
   for (glm::vec3& velocity : converted.points.velocity)
     velocity = glm::vec3(change.scale * (change.rotation * glm::dvec3(velocity)));
   scene.prepared_from_source = compose(change, scene.prepared_from_source);
-}
-
-/// A transforms file states a world that protocols and other programs rely on; poses that were
-/// estimated, or given in whatever world their program chose, do not.
-bool has_arbitrary_world(CaptureLayout layout) {
-  return layout != CaptureLayout::kTransforms;
 }
 
 using Gains = std::map<std::string, std::array<double, 3>>;  // by camera
@@ -95,12 +90,8 @@ void even_exposure(const std::filesystem::path& folder, PreparedScene& scene,
   });
 }
 
-/// Of the rigs of clips alone, by a few small frames of each camera.
-void warn_of_odd_cameras(const std::filesystem::path& folder, CaptureLayout layout,
-                         std::vector<std::string>& warnings) {
-  if (layout != CaptureLayout::kN3dv && layout != CaptureLayout::kVideos &&
-      layout != CaptureLayout::kSequences)
-    return;
+/// By a few small frames of each camera.
+void warn_of_odd_cameras(const std::filesystem::path& folder, std::vector<std::string>& warnings) {
   const ThinnedScene thinned =
       thinned_scene(folder, {.instants = 3, .stations = 40, .largest = 640});
   const std::vector<std::string> odd = camera_warnings(thinned.all, thinned.sample);
@@ -115,7 +106,7 @@ void finish_scene(Converted& converted, CaptureLayout layout, const std::filesys
   IngestReport& report = converted.report;
   check_masks(scene, options, report);
   scene.inverted_masks = options.invert_masks;
-  if (!options.keep_world && has_arbitrary_world(layout)) normalise_world(converted);
+  if (!options.keep_world && !row_of(layout).stated_world) normalise_world(converted);
   write_prepared_scene(folder, scene);  // read by the next two steps
   if (options.fit_exposure) even_exposure(folder, scene, progress);
   converted.points =
@@ -129,8 +120,8 @@ void finish_scene(Converted& converted, CaptureLayout layout, const std::filesys
   scene.has_points = report.points > 0;
   if (scene.has_points) write_points(folder / "points.ply", converted.points);
   write_prepared_scene(folder, scene);
-  if (options.check_cameras && report.cameras > 1)
-    warn_of_odd_cameras(folder, layout, report.warnings);
+  if (options.check_cameras && report.cameras > 1 && row_of(layout).clips)
+    warn_of_odd_cameras(folder, report.warnings);
 }
 
 }  // namespace tessera

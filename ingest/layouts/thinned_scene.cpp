@@ -128,8 +128,7 @@ IngestReport ingest_sample(const std::filesystem::path& capture,
     options.layout = layout = CaptureLayout::kColmap;  // the model has the lenses
   const bool sequences = layout == CaptureLayout::kSequences;
   if (sequences) options.image_rate = options.fps.value_or(kImageRate);
-  if (sequences ||
-      (!options.fps && (layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos)))
+  if (sequences || (!options.fps && row_of(layout).clips))
     options.fps = timesteps_per_second(capture, layout, options);
   options.scale *= std::min(1.0, double(kWidest) / std::max(1, width_of(capture, layout, options)));
   return ingest_capture(capture, folder, options, progress);

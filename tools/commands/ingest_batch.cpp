@@ -39,10 +39,8 @@ json report_json(const IngestReport& report) {
 
 IngestReport report_from_json(const json& stored) {
   IngestReport report;
-  for (CaptureLayout layout : {CaptureLayout::kTransforms, CaptureLayout::kN3dv,
-                               CaptureLayout::kColmap, CaptureLayout::kLlff, CaptureLayout::kVideos,
-                               CaptureLayout::kSequences, CaptureLayout::kPhotos})
-    if (stored.value("layout", "") == layout_name(layout)) report.layout = layout;
+  for (const LayoutRow& row : layout_rows())
+    if (stored.value("layout", "") == row.name) report.layout = row.layout;
   report.cameras = stored.value("cameras", int64_t{0});
   report.frames = stored.value("frames", int64_t{0});
   report.points = stored.value("points", int64_t{0});
