@@ -24,6 +24,7 @@
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/live/live_watch.h"
+#include "tools/live/stopped_training.h"
 #include "tools/session/locks.h"
 #include "tools/session/model_input.h"
 #include "tools/session/run_folder.h"
@@ -164,7 +165,7 @@ void open_browser(const fs::path& page) {
 }
 
 void print_address(const ViewArguments& arguments, const ListeningSocket& socket,
-                   const std::string& address) {
+                   const std::string& kind, const std::string& address) {
   print_result(arguments.json, {{"url", address}, {"port", socket.port}, {"path", arguments.path}},
                address);
   std::fflush(stdout);  // a program that reads the address waits for it
@@ -176,7 +177,8 @@ void print_address(const ViewArguments& arguments, const ListeningSocket& socket
   if (is_set("SSH_CONNECTION") && socket.is_loopback)
     say(fmt::format("view: on your own machine run `{}`, then open the address there",
                     tunnel_command(socket)));
-  say("view: Ctrl-C ends it");
+  say(fmt::format("view: Ctrl-C ends the view{}",
+                  kind == "training" ? "; the training continues" : ""));
 }
 
 /// The pages and answers of a training that is watched.
@@ -209,7 +211,10 @@ int view(const ViewArguments& arguments) {
       nlohmann::json{{"kind", source.kind}, {"path", arguments.path}, {"version", kVersionText}}
           .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   const std::string address = fmt::format("http://{}:{}/?token={}", host, socket.port, state.token);
-  print_address(arguments, socket, address);
+  print_address(arguments, socket, source.kind, address);
+  if (source.kind != "training")
+    if (const std::string stopped = stopped_line(arguments.path); !stopped.empty())
+      say(fmt::format("view: {}: {}", arguments.path, stopped));
   const bool has_desktop =
       (is_set("DISPLAY") || is_set("WAYLAND_DISPLAY")) && !is_set("SSH_CONNECTION");
   const ViewServer server(std::move(state), std::move(socket));

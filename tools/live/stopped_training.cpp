@@ -1,0 +1,82 @@
+// Reads the headers of checkpoints and the ends of logs.
+#include "tools/live/stopped_training.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "recon4d/model/checkpoint.h"
+#include "tools/batch/engine.h"
+#include "tools/export/run_successor.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::streamoff kTailBytes = 65536;  // that hold the last event
+
+/// `path` has the stages of a `tessera run`.
+bool is_of_run(const fs::path& path) {
+  return fs::is_regular_file(path / "stages.json");
+}
+
+/// Whether the last session of a training has found it finished at `step`, as by patience: the end
+/// of its log has the result.
+bool has_ended_at(const RunFolder& run, int64_t step) {
+  std::ifstream log(run.log());
+  log.seekg(0, std::ios::end);
+  log.seekg(std::max<std::streamoff>(0, log.tellg() - kTailBytes));
+  bool ended = false;
+  for (std::string line; std::getline(log, line);) {
+    const nlohmann::json event = nlohmann::json::parse(line, nullptr, false);
+    if (!event.is_object()) continue;
+    ended = event.value("event", "") == "end" && event.value("finished", false) &&
+            event.value("iterations", int64_t{-1}) == step;
+  }
+  return ended;
+}
+
+std::string resume_advice(const fs::path& path, const RunFolder& run) {
+  if (is_of_run(path))
+    return fmt::format("repeat the `tessera run` command of {} to resume", path.string());
+  return "resume with: " + shell_line(resume_words(run));
+}
+
+}  // namespace
+
+std::optional<StoppedTraining> stopped_training(const RunFolder& run) {
+  std::error_code absent;
+  if (!fs::is_regular_file(run.checkpoint(), absent)) return std::nullopt;
+  try {
+    const nlohmann::json header = read_checkpoint_header(run.checkpoint());
+    const StoppedTraining stopped{header.at("iteration").get<int64_t>(),
+                                  header.at("options").at("iterations").get<int64_t>()};
+    const bool is_finished = header.at("finished").get<bool>() || has_ended_at(run, stopped.step);
+    return is_finished ? std::nullopt : std::optional(stopped);
+  } catch (const std::exception&) {  // whoever resumes it is told what is wrong
+    return std::nullopt;
+  }
+}
+
+std::vector<std::string> resume_words(const RunFolder& run) {
+  return {"tessera", "train", run.scene(), "-o", run.root.string(), "--resume"};
+}
+
+std::string stopped_line(const fs::path& path) {
+  const RunFolder next{run_folder_of(path / kNext)}, run{run_folder_of(path)};
+  if (const auto stopped = stopped_training(next))
+    return fmt::format(
+        "its successor has stopped after {} of {} steps; repeat the command with --overwrite to "
+        "resume",
+        stopped->step, stopped->total);
+  if (const auto stopped = stopped_training(run))
+    return fmt::format("stopped after {} of {} steps; {}", stopped->step, stopped->total,
+                       resume_advice(path, run));
+  return "";
+}
+
+}  // namespace tessera

@@ -1,0 +1,29 @@
+// How a training that runs no more has ended: complete, or where it has stopped and how it is
+// resumed.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/session/run_folder.h"
+
+namespace tessera {
+
+struct StoppedTraining {
+  int64_t step = 0, total = 0;
+};
+
+/// By the checkpoint of `run`, which no training writes now. None where it has none, the training
+/// is finished, or the checkpoint is damaged.
+std::optional<StoppedTraining> stopped_training(const RunFolder& run);
+
+/// `tessera train SCENE -o RUN --resume`. Errors: InputError: the run's config.json is damaged.
+std::vector<std::string> resume_words(const RunFolder& run);
+
+/// "stopped after 429 of 4000 steps; resume with: tessera train …" of an OUT of `tessera run` or a
+/// run folder, or of the successor that is made in it; "" where no training has stopped there.
+std::string stopped_line(const std::filesystem::path& path);
+
+}  // namespace tessera
