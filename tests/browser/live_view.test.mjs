@@ -113,6 +113,7 @@ test('the page stops the training, which keeps a checkpoint, and resumes it', as
   assert.equal(await training.ended, 75, training.err);
   assert.ok(existsSync(join(run, 'checkpoint.ckpt')));
   await status('stopped');
+  await status('of 200,000 steps');
   assert.match(await page.innerText('#resume'), /tessera train .* --resume/);
   await page.screenshot({path: place('stopped_1280.png')});
   const step = await shownStep(page);

@@ -3,8 +3,6 @@
 
 #include <fcntl.h>
 #include <spawn.h>
-#include <unistd.h>
-
 #include <cerrno>
 
 extern char** environ;
@@ -12,7 +10,7 @@ extern char** environ;
 namespace tessera {
 
 pid_t start_in_background(const std::filesystem::path& program,
-                          const std::vector<std::string>& words, ProgramOutput output) {
+                          const std::vector<std::string>& words, int output) {
   std::vector<char*> argv;
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
@@ -24,8 +22,7 @@ pid_t start_in_background(const std::filesystem::path& program,
   posix_spawn_file_actions_init(&files);
   // not of the terminal's foreground group: it may not read from there
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  if (output == ProgramOutput::kToStderr)
-    posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);
+  if (output != STDOUT_FILENO) posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
   pid_t child = -1;
   const int error = posix_spawn(&child, program.c_str(), &files, &attributes, argv.data(), environ);
   posix_spawn_file_actions_destroy(&files);

@@ -30,6 +30,7 @@
 #include "tools/export/run_outputs.h"
 #include "tools/export/run_successor.h"
 #include "tools/live/live_training.h"
+#include "tools/live/stopped_training.h"
 #include "tools/live/view_child.h"
 #include "tools/player/player_page.h"
 #include "tools/report/write_run_report.h"
@@ -239,7 +240,7 @@ class Runner {
     return do_stage(kTrain, inputs, run_.model(), [&]() -> std::optional<json> {
       TrainingTerminal terminal;
       LiveTraining live(terminal, run_.root, [&] {
-        if (request_.view) view_ = std::make_unique<ViewChild>(root_);
+        if (request_.view && !view_) view_ = std::make_unique<ViewChild>(root_, repeated_command());
       });
       TrainRequest asked = train_request();
       asked.snapshots = &live;

@@ -28,9 +28,10 @@ struct RunRequest {
 
 /// Runs what is to be done and returns the results of all stages: those of evaluate at the top
 /// level, the others under `training`, `export` and `player`; the seconds of the stages that ran
-/// under `stage_seconds`. Nothing when it was interrupted; what is done is kept.
-/// `view`: filled where the request has one and something was trained. Errors: InputError, among
-/// them that OUT holds a finished run of another request.
+/// under `stage_seconds`. Nothing when it was interrupted, or its training was stopped by a page
+/// that shows it; what is done is kept. `view`: filled where the request has one, something was
+/// trained and there was none. Errors: InputError, among them that OUT holds a finished run of
+/// another request.
 std::optional<nlohmann::json> run_stages(const RunRequest& request,
                                          std::unique_ptr<ViewChild>& view);
 

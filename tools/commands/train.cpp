@@ -5,11 +5,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/options/presets.h"
+#include "tools/batch/engine.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/output_place.h"
@@ -20,6 +23,7 @@
 #include "tools/export/player_files.h"
 #include "tools/export/run_successor.h"
 #include "tools/live/live_training.h"
+#include "tools/live/stopped_training.h"
 #include "tools/live/view_child.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
@@ -71,32 +75,87 @@ void take_place(const TrainRequest& request, const fs::path& place, nlohmann::js
     result["exposure"]["file"] = RunFolder{place}.exposure().string();
 }
 
+/// A training whose page may stop and resume it, with its view.
+class ViewedTraining {
+ public:
+  /// `place`: the run folder that was named; that of `request` differs for a successor.
+  ViewedTraining(TrainRequest request, fs::path place, bool with_view, TrainingTerminal& terminal)
+      : request_(std::move(request)),
+        place_(std::move(place)),
+        with_view_(with_view),
+        terminal_(terminal) {}
+
+  /// Until the end, or until it is left and nobody resumes it.
+  nlohmann::json train() {
+    nlohmann::json result = train_once();
+    while (!result["finished"].get<bool>() && view_ && (by_page_ || is_at_terminal()) &&
+           view_->serve_until_resumed(fmt::format("stopped after {} of {} steps",
+                                                  result["iterations"].get<int64_t>(),
+                                                  result["total_iterations"].get<int64_t>()))) {
+      request_.resume = true;
+      request_.stop_after.reset();
+      request_.more_iterations.reset();
+      request_.time_limit = 0;
+      result = train_once();
+    }
+    return result;
+  }
+  const TrainRequest& request() const { return request_; }
+  /// Of the last training: a signal that ends the view after it does not count.
+  int exit_code() const { return exit_code_; }
+  void serve() const {
+    if (view_) view_->serve();
+  }
+
+ private:
+  bool succeeds() const { return request_.run != place_; }
+
+  nlohmann::json train_once() {
+    std::optional<RunLock> lock;  // a training without a successor takes it itself
+    if (succeeds()) lock.emplace(place_, terminal_);
+    LiveTraining live(terminal_, request_.run, [&] {
+      if (with_view_ && !view_) view_ = std::make_unique<ViewChild>(request_.run, by_hand());
+    });
+    request_.snapshots = &live;
+    nlohmann::json result =
+        succeeds() ? train_or_restart(request_, live) : train_session(request_, live);
+    by_page_ = live.stopped();
+    exit_code_ = interrupted()                ? stop_code()
+                 : result["left"].get<bool>() ? kExitNotFinished
+                                              : kExitDone;
+    if (succeeds() && result["finished"].get<bool>()) take_place(request_, place_, result);
+    return result;
+  }
+
+  std::string by_hand() const {
+    return succeeds() ? repeated_command()
+                      : shell_line({"tessera", "train", request_.scene.string(), "-o",
+                                    place_.string(), "--resume"});
+  }
+
+  TrainRequest request_;
+  const fs::path place_;
+  const bool with_view_;
+  TrainingTerminal& terminal_;
+  std::unique_ptr<ViewChild> view_;
+  bool by_page_ = false;  // the last training was stopped by its page
+  int exit_code_ = kExitDone;
+};
+
 /// The exit code.
 int train_and_report(TrainRequest request, bool as_json, bool with_view) {
   try {
     TrainingTerminal terminal;
     const fs::path place = request.run;
     complete_move(place, terminal);
-    const bool succeeds =
-        request.overwrite && !request.resume && fs::exists(RunFolder{place}.model());
-    std::optional<RunLock> lock;  // a training without a successor takes it itself
-    if (succeeds) {
-      lock.emplace(place, terminal);
+    if (request.overwrite && !request.resume && fs::exists(RunFolder{place}.model()))
       train_beside(request);
-    }
-    std::unique_ptr<ViewChild> view;
-    nlohmann::json result = [&] {
-      LiveTraining live(terminal, request.run, [&] {
-        if (with_view) view = std::make_unique<ViewChild>(request.run);
-      });
-      request.snapshots = &live;
-      return succeeds ? train_or_restart(request, live) : train_session(request, live);
-    }();
-    if (succeeds && result["finished"].get<bool>()) take_place(request, place, result);
-    print_result(as_json, result, training_text(result) + stopped_text(request, place, result));
-    if (view) view->serve();
-    if (interrupted()) return stop_code();
-    return result["left"].get<bool>() ? kExitNotFinished : kExitDone;
+    ViewedTraining training(std::move(request), place, with_view, terminal);
+    const nlohmann::json result = training.train();
+    print_result(as_json, result,
+                 training_text(result) + stopped_text(training.request(), place, result));
+    if (result["finished"].get<bool>()) training.serve();
+    return training.exit_code();
   } catch (const CheckpointRefused& error) {
     report_error(fmt::format("tessera: {}", error.what()));
     return kExitCheckpointRefused;

@@ -2,6 +2,7 @@
 // to a browser. tools/view has the server.
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <spawn.h>
 
 #include <chrono>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -95,6 +97,7 @@ struct ViewArguments {
   int port = 0;
   std::vector<std::string> allowed_hosts;
   bool no_browser = false, json = false;
+  std::string resumed_by;  // in a terminal; "": no training has this view for its own
 };
 
 bool is_set(const char* variable) {
@@ -177,8 +180,28 @@ void print_address(const ViewArguments& arguments, const ListeningSocket& socket
   if (is_set("SSH_CONNECTION") && socket.is_loopback)
     say(fmt::format("view: on your own machine run `{}`, then open the address there",
                     tunnel_command(socket)));
-  say(fmt::format("view: Ctrl-C ends the view{}",
-                  kind == "training" ? "; the training continues" : ""));
+  if (arguments.resumed_by.empty())
+    say(fmt::format("view: Ctrl-C ends the view{}",
+                    kind == "training" ? "; the training continues" : ""));
+}
+
+/// Passes a request of the page on to the training that has this view for its own and reads what it
+/// prints.
+bool request_resume() {
+  constexpr std::string_view kRequest = "resume\n";
+  return ::write(STDOUT_FILENO, kRequest.data(), kRequest.size()) == ssize_t(kRequest.size());
+}
+
+/// Whether nobody reads what this process prints: the training that has this view has ended.
+bool has_no_reader() {
+  pollfd out{STDOUT_FILENO, 0, 0};
+  return ::poll(&out, 1, 0) > 0 && (out.revents & POLLERR) != 0;
+}
+
+std::unique_ptr<LiveWatch> watch_of(const ViewSource& source, const ViewArguments& arguments) {
+  if (arguments.resumed_by.empty()) return std::make_unique<LiveWatch>(source.run, source.folder);
+  return std::make_unique<LiveWatch>(source.run, source.folder, arguments.resumed_by,
+                                     request_resume);
 }
 
 /// The pages and answers of a training that is watched.
@@ -204,7 +227,7 @@ int view(const ViewArguments& arguments) {
   state.start = source.start;
   std::unique_ptr<LiveWatch> watch;  // outlives the server, which calls it
   if (source.kind == "training") {
-    watch = std::make_unique<LiveWatch>(source.run, source.folder);
+    watch = watch_of(source, arguments);
     watch_training(*watch, state);
   }
   state.run =
@@ -221,7 +244,9 @@ int view(const ViewArguments& arguments) {
   std::optional<TemporaryFolder> leading;  // until the end: a browser may be slow to begin
   if (has_desktop && !arguments.no_browser)
     open_browser(leading_page(leading.emplace("view").path(), address));
-  while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  const bool is_owned = !arguments.resumed_by.empty();
+  while (!interrupted() && !(is_owned && has_no_reader()))
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
   return kExitDone;
 }
 
@@ -247,6 +272,11 @@ void add_view_command(CLI::App& app, Work& work) {
                      "proxy");
   command.add_flag("--no-browser", arguments->no_browser, "print the address only");
   command.add_flag("--json", arguments->json, "print the address as a JSON object");
+  command
+      .add_option("--resumed-by", arguments->resumed_by,
+                  "of a training with --view: what resumes it in a terminal; the training reads "
+                  "from stdout the address and the requests of the page to resume")
+      ->group("");
   command.callback([arguments, &work] { work = [arguments] { return view(*arguments); }; });
 }
 

@@ -20,6 +20,7 @@
 #include "tools/batch/engine.h"
 #include "tools/cli/background_program.h"
 #include "tools/live/live_folder.h"
+#include "tools/live/stopped_training.h"
 #include "tools/report/log_events.h"
 #include "tools/report/report_page.h"
 
@@ -50,11 +51,17 @@ std::string address_of(const fs::path& path, const fs::path& served) {
 }  // namespace
 
 LiveWatch::LiveWatch(const fs::path& run, const fs::path& served)
+    : LiveWatch(run, served, "", {}) {}
+
+LiveWatch::LiveWatch(const fs::path& run, const fs::path& served, std::string by_hand,
+                     std::function<bool()> resume)
     : run_{run},
       folder_(run),
       served_(served),
       name_(fs::weakly_canonical(served).filename().string()),
-      truths_("live") {
+      truths_("live"),
+      by_hand_(std::move(by_hand)),
+      resume_(std::move(resume)) {
   thread_ = std::thread([this] {
     lower_priority(kNiceOfScores);
     const SerialSection serial;
@@ -98,19 +105,20 @@ std::string LiveWatch::state(int64_t seen) {
   }
   const bool alive = is_alive(now.has_value());
   const std::optional<LiveState>& state = last_;
-  json result = {{"alive", alive}, {"state", nullptr}, {"snapshot", ""}, {"page", ""}};
+  is_requested_ = is_requested_ && !alive;
+  json result = {{"alive", alive}, {"state", nullptr}, {"snapshot", ""}, {"resume", ""}};
   result["name"] = name_;
   if (state) {
     result["state"] = json::parse(text_of(*state));
     if (now && state->snapshot > 0)
       result["snapshot"] = address_of(folder_.snapshot(state->snapshot), served_);
   }
-  const fs::path page = served_ / "player" / "index.html";
-  std::error_code absent;
-  if (!alive && fs::exists(page, absent)) result["page"] = "/player/";
-  if (resume_.empty() && run_.exists())  // its scene stays what it is
-    resume_ = {"tessera", "train", run_.scene(), "-o", run_.root.string(), "--resume"};
-  result["resume"] = !alive && can_resume() ? shell_line(resume_) : "";
+  const auto stopped = alive ? std::nullopt : stopped_training(run_);
+  const bool complete = !alive && is_complete(run_);
+  result["complete"] = complete;
+  result["page"] = complete && has_player_of(run_, served_) ? "/player/" : "";
+  result["stopped"] = stopped ? json{{"step", stopped->step}, {"total", stopped->total}} : json();
+  if (stopped) result["resume"] = by_hand_.empty() ? shell_line(resume_words(run_)) : by_hand_;
   result["views"] = json::array();
   for (size_t i = 0; i < views_.size(); ++i)
     result["views"].push_back(truth_json(scene_.frames[i], fmt::format("/api/truth?view={}", i)));
@@ -157,16 +165,17 @@ bool LiveWatch::is_alive(bool has_state) const {
   return (last_ && has_state && Clock::now() - counted_ < kAliveFor) || is_run_locked(run_.root);
 }
 
-bool LiveWatch::can_resume() const {
-  std::error_code absent;
-  return !resume_.empty() && fs::exists(run_.checkpoint(), absent);
-}
-
 bool LiveWatch::resume() {
   const std::lock_guard held(mutex_);
+  if (is_alive(folder_.state().has_value()) || !stopped_training(run_)) return false;
+  if (!resume_) return start_again();
+  if (is_requested_) return false;
+  return is_requested_ = resume_();
+}
+
+bool LiveWatch::start_again() {
   if (resumed_ > 0 && ::waitpid(resumed_, nullptr, WNOHANG) == 0) return false;
-  if (is_alive(folder_.state().has_value()) || !can_resume()) return false;
-  resumed_ = start_in_background("/proc/self/exe", resume_, ProgramOutput::kToStderr);
+  resumed_ = start_in_background("/proc/self/exe", resume_words(run_), STDERR_FILENO);
   return resumed_ > 0;
 }
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -27,22 +28,28 @@ class LiveWatch {
  public:
   /// `served`: the folder that a server shows, in which the run folder lies or which it is.
   LiveWatch(const std::filesystem::path& run, const std::filesystem::path& served);
+  /// The same of a training whose owner resumes it: `by_hand` is the command for a terminal, and
+  /// `resume` passes the request on, false where it cannot.
+  LiveWatch(const std::filesystem::path& run, const std::filesystem::path& served,
+            std::string by_hand, std::function<bool()> resume);
   LiveWatch(const LiveWatch&) = delete;
   LiveWatch& operator=(const LiveWatch&) = delete;
   ~LiveWatch();
 
   /// Also renews the request to the training, at most twice a second. JSON: name, alive, state
-  /// (as live_folder.h has it, or null), snapshot (address or ""), page (address of the finished
-  /// player or ""), views (as tools/export/page_head.h has them), scores [[step, PSNR
-  /// in dB]], resume (a command; "" where it runs or has no checkpoint).
+  /// (as live_folder.h has it, or null), snapshot (address or ""), complete, page (address of
+  /// the finished player or ""), stopped {step, total} (null where it runs, is complete or has no
+  /// checkpoint), views (as tools/export/page_head.h has them), scores [[step, PSNR in dB]], resume
+  /// (a command; "" where `stopped` is null).
   std::string state(int64_t seen);
   /// HTML: the curves of its report so far, with the scores of its snapshots.
   std::string charts();
   /// PNG; "" where there is no such view.
   std::string truth(int64_t view) const;
   bool stop();
-  /// Starts a process that continues from the checkpoint and does not end with this one; false: it
-  /// runs, has no checkpoint or cannot be started.
+  /// Requests it of the owner. Without one it starts a process that continues from the checkpoint
+  /// and does not end with this one. False: it runs, is complete, has no checkpoint or cannot be
+  /// started, or was requested already.
   bool resume();
 
  private:
@@ -50,7 +57,7 @@ class LiveWatch {
 
   void ask(int64_t seen);
   bool is_alive(bool has_state) const;
-  bool can_resume() const;
+  bool start_again();
   void load_views();
   void score_snapshots();
   double score(const std::filesystem::path& file) const;
@@ -63,8 +70,10 @@ class LiveWatch {
 
   mutable std::mutex mutex_;
   LiveRequest request_;
-  std::vector<std::string> resume_;  // words of its command; none: not known yet
-  pid_t resumed_ = -1;
+  const std::string by_hand_;
+  const std::function<bool()> resume_;  // of the owner; may be empty
+  bool is_requested_ = false;           // of the owner, and not followed by a training yet
+  pid_t resumed_ = -1;                  // without an owner
   Clock::time_point asked_;
   std::optional<LiveState> last_;  // that the training wrote
   Clock::time_point counted_;

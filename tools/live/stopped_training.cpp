@@ -1,4 +1,5 @@
-// Reads the headers of checkpoints and the ends of logs.
+// Reads the headers of checkpoints and the ends of logs, and the command line that Linux keeps of a
+// process.
 #include "tools/live/stopped_training.h"
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 
 #include "recon4d/model/checkpoint.h"
 #include "tools/batch/engine.h"
+#include "tools/export/player_files.h"
 #include "tools/export/run_successor.h"
 
 namespace tessera {
@@ -62,6 +64,18 @@ std::optional<StoppedTraining> stopped_training(const RunFolder& run) {
   }
 }
 
+bool is_complete(const RunFolder& run) {
+  std::error_code absent;
+  return fs::is_regular_file(run.model(), absent) && !stopped_training(run);
+}
+
+bool has_player_of(const RunFolder& run, const fs::path& out) {
+  std::error_code no_player, no_model;
+  const auto written = fs::last_write_time(out / "player" / kPageFile, no_player);
+  const auto trained = fs::last_write_time(run.model(), no_model);
+  return !no_player && !no_model && written >= trained;
+}
+
 std::vector<std::string> resume_words(const RunFolder& run) {
   return {"tessera", "train", run.scene(), "-o", run.root.string(), "--resume"};
 }
@@ -77,6 +91,14 @@ std::string stopped_line(const fs::path& path) {
     return fmt::format("stopped after {} of {} steps; {}", stopped->step, stopped->total,
                        resume_advice(path, run));
   return "";
+}
+
+std::string repeated_command() {
+  std::ifstream file("/proc/self/cmdline");
+  std::vector<std::string> words;
+  for (std::string word; std::getline(file, word, '\0');)
+    if (!word.starts_with("--view")) words.push_back(word);
+  return shell_line(words);
 }
 
 }  // namespace tessera

@@ -68,21 +68,24 @@ async function showCharts() {
 }
 
 function tell(answer) {
-  const { state, alive, page, resume } = answer;
+  const { state, alive, complete, page, stopped, resume } = answer;
   const left = state ? (state.total - state.step) / state.steps_per_second : NaN;
   const status = alive
     ? `training · ${duration(left)} left`
-    : page ? "the training is complete" : "the training has stopped";
-  if (state || alive) $("status").textContent = state ? status : "training";
+    : complete ? "the training is complete"
+    : stopped ? `the training has stopped after ${count(stopped.step)} of ${count(stopped.total)} steps`
+    : "the training has stopped";
+  if (state || complete || stopped) $("status").textContent = status;
+  else if (alive) $("status").textContent = "training";
   $("stop").hidden = !alive;
   $("finished").hidden = !page;
   if (page) $("finished").href = page;
-  $("resume").hidden = resume === "" || Boolean(page);
+  $("resume").hidden = resume === "";
   $("resume").querySelector("code").textContent = resume;
   if (alive) $("go").disabled = false;
   else $("stop").disabled = false;
-  if (!alive && (state || page)) $("empty").textContent = `${status[0].toUpperCase()}${status.slice(1)}.`;
-  const share = page ? 100 : state ? (100 * state.step) / Math.max(1, state.total) : 0;
+  if (!alive && (state || complete || stopped)) $("empty").textContent = `${status[0].toUpperCase()}${status.slice(1)}.`;
+  const share = complete ? 100 : state ? (100 * state.step) / Math.max(1, state.total) : 0;
   $("bar").firstElementChild.style.width = `${share}%`;
   $("bar").setAttribute("aria-valuenow", share.toFixed(0));
 }
@@ -120,10 +123,10 @@ async function poll() {
 
 $("stop").addEventListener("click", async () => {
   $("stop").disabled = true;
-  await fetch("/api/stop", { method: "POST" });
+  if (!(await fetch("/api/stop", { method: "POST" })).ok) $("stop").disabled = false;
 });
 $("go").addEventListener("click", async () => {
   $("go").disabled = true;
-  await fetch("/api/resume", { method: "POST" });
+  if (!(await fetch("/api/resume", { method: "POST" })).ok) $("go").disabled = false;
 });
 poll();

@@ -1,0 +1,148 @@
+// A training with --view: its page stops and resumes it. Source:
+// docs/reference/player.md.
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "tests/tools/commands/cli_workspace.h"
+#include "tests/tools/view/http_client.h"
+
+namespace tessera::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Words = std::vector<std::string>;
+
+/// The page of a server, by the address that a program has printed.
+class Page {
+ public:
+  explicit Page(const std::string& printed) {
+    static const std::regex kAddress(R"re(http://[^/]*:(\d+)/\?token=([0-9a-f]{32}))re");
+    std::smatch match;
+    EXPECT_TRUE(std::regex_search(printed, match, kAddress)) << printed;
+    if (match.empty()) return;
+    port_ = uint16_t(std::stoi(match[1]));
+    const std::string host = "localhost:" + match[1].str();
+    headers_ = "Host: " + host + "\r\nOrigin: http://" + host +
+               "\r\nConnection: close\r\nCookie: tessera_view_" + match[1].str() + "=" +
+               match[2].str() + "\r\n";
+  }
+  json state() const { return json::parse(body(send("GET /api/state?seen=0"))); }
+  std::string charts() const { return body(send("GET /api/charts")); }
+  /// The status.
+  int post(const std::string& path) const {
+    return std::stoi(send("POST " + path).substr(std::string("HTTP/1.1 ").size()));
+  }
+
+ private:
+  static std::string body(const std::string& answer) {
+    return answer.substr(answer.find("\r\n\r\n") + 4);
+  }
+  std::string send(const std::string& line) const {
+    const HttpClient client(port_);
+    client.send(line + " HTTP/1.1\r\n" + headers_ +
+                (line.starts_with("POST") ? "Content-Length: 0\r\n" : "") + "\r\n");
+    return client.read_all();
+  }
+
+  uint16_t port_ = 0;
+  std::string headers_;
+};
+
+class ViewedTraining : public ::testing::Test {
+ protected:
+  void SetUp() override {
+#if !TESSERA_HAS_VIEW || !TESSERA_HAS_PLAYER
+    GTEST_SKIP() << "built without libmicrohttpd or the player";
+#endif
+    for (const char* name : {"SSH_CONNECTION", "DISPLAY", "WAYLAND_DISPLAY"}) ::unsetenv(name);
+  }
+  Words command(const std::string& name, const std::string& out, Words more) const {
+    Words words = work.train_arguments(out, more);
+    words[0] = name;
+    return words;
+  }
+  static std::string id_of(const json& state) {
+    return state["alive"] && !state["state"].is_null() ? state["state"]["training"] : json("");
+  }
+  /// The page of a command with --view, once its training shows something.
+  Page shown(ChildProcess& child) const {
+    EXPECT_TRUE(child.wait_until([&] { return has(child, "ends the view"); }))
+        << child.err_so_far();
+    Page page(child.err_so_far());
+    EXPECT_TRUE(child.wait_until([&] { return !id_of(page.state()).empty(); }));
+    return page;
+  }
+  static bool has(const ChildProcess& child, const std::string& text) {
+    return child.err_so_far().find(text) != std::string::npos;
+  }
+  /// The state once it has stopped.
+  static json stopped(ChildProcess& child, const Page& page) {
+    EXPECT_EQ(page.post("/api/stop"), 202);
+    EXPECT_TRUE(child.wait_until([&] { return page.state()["resume"] != ""; }))
+        << child.err_so_far();
+    return page.state();
+  }
+
+  CliWorkspace work;
+  ScratchFolder scratch;
+};
+
+// Bugs put back: the command ends with a training that its page has stopped; Ctrl-C behind it gives
+// 130; each seen to fail.
+TEST_F(ViewedTraining, ItsPageStopsAndResumesIt) {
+  const Words words = command("train", "run", {"--view", "--iterations", "1000000"});
+  ChildProcess child(words, scratch.path());
+  const Page page = shown(child);
+  EXPECT_TRUE(has(child, "view: Ctrl-C stops the training with a checkpoint and ends the view\n"));
+  const std::string first = id_of(page.state());
+  const json state = stopped(child, page);
+  const std::string by_hand =
+      "tessera train " + work.at("capture") + " -o " + work.at("run") + " --resume";
+  EXPECT_EQ(state["resume"], by_hand);
+  EXPECT_FALSE(state["complete"]);
+  EXPECT_GT(state["stopped"]["step"], 0);
+  EXPECT_EQ(state["stopped"]["total"], 1000000);
+  EXPECT_TRUE(child.wait_until([&] {
+    return has(child,
+               " still answers, and its page resumes the training; Ctrl-C ends the view; "
+               "to resume in a terminal: " +
+                   by_hand + "\n");
+  })) << child.err_so_far();
+  EXPECT_EQ(page.post("/api/resume"), 202);
+  EXPECT_EQ(page.post("/api/resume"), 409);
+  EXPECT_TRUE(child.wait_until([&] {
+    const std::string now = id_of(page.state());
+    return !now.empty() && now != first;
+  })) << child.err_so_far();
+  EXPECT_GT(stopped(child, page)["stopped"]["step"], state["stopped"]["step"]);
+  EXPECT_TRUE(child.running());
+  child.send(SIGINT);
+  const ChildResult ended = child.wait();
+  EXPECT_EQ(ended.exit_code, 75) << ended.err;
+  EXPECT_NE(ended.out.find("resume with: " + by_hand), std::string::npos) << ended.out;
+}
+
+// Bug put back: the training alone is resumed; seen to fail.
+TEST_F(ViewedTraining, AWholeRunIsResumed) {
+  ChildProcess child(
+      command("run", "out", {"--view", "--iterations", "6000", "--densify-until", "0"}),
+      scratch.path());
+  const Page page = shown(child);
+  const std::string resume = stopped(child, page)["resume"];
+  EXPECT_NE(resume.find(" run " + work.at("capture") + " -o "), std::string::npos) << resume;
+  EXPECT_EQ(resume.find("--view"), std::string::npos) << resume;
+  EXPECT_FALSE(fs::exists(work / "out/run/metrics.json"));
+  EXPECT_EQ(page.post("/api/resume"), 202);
+  ASSERT_TRUE(child.wait_until([&] { return !child.running(); })) << child.err_so_far();
+  const ChildResult ended = child.wait();
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_TRUE(fs::exists(work / "out/run/metrics.json"));
+  EXPECT_TRUE(fs::exists(work / "out/player/index.html"));
+}
+
+}  // namespace
+}  // namespace tessera::testing
