@@ -240,7 +240,8 @@ class Runner {
     return do_stage(kTrain, inputs, run_.model(), [&]() -> std::optional<json> {
       TrainingTerminal terminal;
       LiveTraining live(terminal, run_.root, [&] {
-        if (request_.view && !view_) view_ = std::make_unique<ViewChild>(root_, repeated_command());
+        if (request_.view && !view_)
+          view_ = std::make_unique<ViewChild>(request_.out, repeated_command());
       });
       TrainRequest asked = train_request();
       asked.snapshots = &live;

@@ -114,7 +114,7 @@ class ViewedTraining {
     std::optional<RunLock> lock;  // a training without a successor takes it itself
     if (succeeds()) lock.emplace(place_, terminal_);
     LiveTraining live(terminal_, request_.run, [&] {
-      if (with_view_ && !view_) view_ = std::make_unique<ViewChild>(request_.run, by_hand());
+      if (with_view_ && !view_) view_ = std::make_unique<ViewChild>(place_, by_hand());
     });
     request_.snapshots = &live;
     nlohmann::json result =

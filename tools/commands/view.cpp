@@ -25,6 +25,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
+#include "tools/export/run_successor.h"
 #include "tools/live/live_watch.h"
 #include "tools/live/stopped_training.h"
 #include "tools/session/locks.h"
@@ -68,12 +69,20 @@ ViewSource made_page(const std::string& path) {
   return source;
 }
 
+/// The run folder in `path`, or of the successor that is made in it, that a training writes now;
+/// "": none.
+fs::path training_in(const fs::path& path) {
+  for (const fs::path& run : {run_folder_of(path / kNext), run_folder_of(path)})
+    if (is_run_locked(run)) return run;
+  return {};
+}
+
 /// `path`: an OUT of `tessera run` or a run folder that a training writes now, an OUT of `tessera
 /// run` or `tessera batch`, a folder with an index.html, or what
 /// `tessera export` takes: the page of that model is made in a temporary folder. Errors: InputError
 /// naming the path and what is accepted.
 ViewSource view_source(const std::string& path) {
-  if (const fs::path run = run_folder_of(path); is_run_locked(run)) {
+  if (const fs::path run = training_in(path); !run.empty()) {
     ViewSource source;
     source.folder = path;
     source.start = "/live";

@@ -26,7 +26,8 @@ namespace tessera {
 /// need them. All members may be called from any thread; none throws.
 class LiveWatch {
  public:
-  /// `served`: the folder that a server shows, in which the run folder lies or which it is.
+  /// `served`: the folder that a server shows, in which the run folder lies or which it is. A
+  /// successor, in whose folder `run` is, is followed to its place there.
   LiveWatch(const std::filesystem::path& run, const std::filesystem::path& served);
   /// The same of a training whose owner resumes it: `by_hand` is the command for a terminal, and
   /// `resume` passes the request on, false where it cannot.
@@ -57,6 +58,8 @@ class LiveWatch {
 
   void ask(int64_t seen);
   bool is_alive(bool has_state) const;
+  /// Where the files of the training are now.
+  RunFolder run() const;
   bool start_again();
   void load_views();
   void score_snapshots();

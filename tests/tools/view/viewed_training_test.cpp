@@ -1,4 +1,4 @@
-// A training with --view: its page stops and resumes it. Source:
+// A training with --view: its page stops and resumes it, and follows it to its place. Source:
 // docs/reference/player.md.
 #include <csignal>
 #include <cstdlib>
@@ -142,6 +142,32 @@ TEST_F(ViewedTraining, AWholeRunIsResumed) {
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_TRUE(fs::exists(work / "out/run/metrics.json"));
   EXPECT_TRUE(fs::exists(work / "out/player/index.html"));
+}
+
+// Bugs put back: the page shows the folder of the successor alone; its files are not looked for in
+// their place; each seen to fail.
+TEST_F(ViewedTraining, ASuccessorIsFollowedToItsPlace) {
+  ASSERT_EQ(work.train("run", {"--iterations", "2"}).exit_code, 0);
+  const Words words = command(
+      "train", "run", {"--view", "--overwrite", "--iterations", "6000", "--densify-until", "0"});
+  ChildProcess child(words, scratch.path());
+  const Page page = shown(child);
+  EXPECT_EQ(page.state()["name"], "run");
+  const ScratchFolder beside;
+  ChildProcess view({"view", work.at("run"), "--no-browser"}, beside.path());
+  ASSERT_TRUE(view.wait_until([&] { return has(view, "ends the view; the training continues"); }))
+      << view.err_so_far();
+  const Page other(view.out_so_far());
+  EXPECT_TRUE(child.wait_until([&] { return !id_of(other.state()).empty(); }));
+  const json state = stopped(child, page);
+  EXPECT_NE(state["resume"].get<std::string>().find("--overwrite"), std::string::npos) << state;
+  EXPECT_EQ(page.post("/api/resume"), 202);
+  ASSERT_TRUE(child.wait_until([&] { return !child.running(); })) << child.err_so_far();
+  EXPECT_EQ(child.wait().exit_code, 0);
+  EXPECT_FALSE(fs::exists(work / "run/next"));
+  EXPECT_TRUE(view.wait_until([&] { return other.state()["complete"].get<bool>(); }));
+  EXPECT_EQ(other.state()["resume"], "");
+  EXPECT_NE(other.charts(), "");
 }
 
 }  // namespace
