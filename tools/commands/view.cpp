@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
 
 #include <chrono>
 #include <cstdio>
@@ -23,6 +22,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
+#include "tools/commands/open_browser.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_successor.h"
@@ -140,40 +140,6 @@ std::string tunnel_command(const ListeningSocket& socket) {
   return fmt::format(
       "ssh -L {0}:{1}:{0} {2}{3}", socket.port, socket.is_ipv6 ? "[::1]" : "127.0.0.1",
       user != nullptr ? fmt::format("{}@", user) : "", server.empty() ? host_name() : server);
-}
-
-/// A page that leads to the address, which only this user can read. All users see the arguments of
-/// a program in the list of processes, and the address has the token.
-fs::path leading_page(const fs::path& folder, const std::string& address) {
-  const fs::path path = folder / "open.html";
-  const std::string page = fmt::format(
-      "<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0;url={0}\">"
-      "<title>tessera view</title><a href=\"{0}\">tessera view</a>\n",
-      address);
-  const OpenFile file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
-  if (!file.is_open() ||
-      ::write(file.descriptor(), page.data(), page.size()) != ssize_t(page.size()))
-    throw fs::filesystem_error("write", path, std::error_code(errno, std::system_category()));
-  return path;
-}
-
-/// A browser of its own session, which Ctrl-C does not reach. Only on the desktop of this machine:
-/// elsewhere it would be slow.
-void open_browser(const fs::path& page) {
-  posix_spawn_file_actions_t files;
-  posix_spawnattr_t attributes;
-  posix_spawn_file_actions_init(&files);
-  posix_spawnattr_init(&attributes);
-  for (int descriptor : {0, 1, 2})
-    posix_spawn_file_actions_addopen(&files, descriptor, "/dev/null", O_RDWR, 0);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
-  std::string program = "xdg-open", argument = page.string();
-  char* const words[] = {program.data(), argument.data(), nullptr};
-  pid_t child = 0;
-  if (posix_spawnp(&child, program.c_str(), &files, &attributes, words, environ) != 0)
-    warn("view: xdg-open, which opens a browser, was not found; open the address by hand");
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&files);
 }
 
 void print_address(const ViewArguments& arguments, const ListeningSocket& socket,
