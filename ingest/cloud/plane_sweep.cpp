@@ -228,13 +228,13 @@ bool PlaneSweep::confirmed(int frame, const Depth& depth) const {
     const glm::dvec3 q = camera.cam_from_world * p + camera.translation;
     return glm::dvec2(camera.fl_x * q.x / q.z + camera.cx, camera.fl_y * q.y / q.z + camera.cy);
   };
-  const Frame &own = scene_.frames[size_t(frame)], &other = scene_.frames[size_t(depth.best)];
-  const double later = other.time - own.time;
+  const Frame &here = scene_.frames[size_t(frame)], &other = scene_.frames[size_t(depth.best)];
+  const double later = other.time - here.time;
   const glm::dvec2 other_pixel = pixel(other.camera, depth.point + later * depth.velocity);
   const std::optional<Depth> back = search(depth.best, int(other_pixel.x), int(other_pixel.y));
   if (!back) return false;
-  return glm::distance(pixel(own.camera, back->point - later * back->velocity),
-                       pixel(own.camera, depth.point)) <= kSamePoint;
+  return glm::distance(pixel(here.camera, back->point - later * back->velocity),
+                       pixel(here.camera, depth.point)) <= kSamePoint;
 }
 
 bool PlaneSweep::still(int index, int x, int y) const {

@@ -17,11 +17,13 @@ constexpr int64_t kUnlimited = 1000000;
 // Where one camera sees a timestep growth ends before its limit: 100,000 in 7,000 steps at most.
 constexpr int64_t kGrownOfOneCamera = 100000, kStepsOfGrowth = 7000;
 constexpr int64_t kMiB = int64_t{1} << 20;
-constexpr int64_t kProgram = 60 * kMiB;      // code, threads and what a training reads first
-constexpr int64_t kWithDevice = 252 * kMiB;  // the same with the libraries of a device
-constexpr int64_t kOnDevice = 48 * kMiB;     // of scratch memory and blocks that are not full
-constexpr int64_t kDecision = 1700;          // bytes of a Gaussian whose motion is decided on
-constexpr int64_t kPixelBytes = 68;          // eight floats a pixel, nine for the loss
+constexpr int64_t kLibraries = 118 * kMiB;  // of media, which the complete program has
+constexpr int64_t kProgram = kLibraries + 60 * kMiB;
+constexpr int64_t kWithDevice = kLibraries + 252 * kMiB;  // with the libraries of a device
+constexpr int64_t kScoredPixel = 706;  // bytes: planes of four views that are scored side by side
+constexpr int64_t kOnDevice = 48 * kMiB;  // of scratch memory and blocks that are not full
+constexpr int64_t kDecision = 1700;       // bytes of a Gaussian whose motion is decided on
+constexpr int64_t kPixelBytes = 68;       // eight floats a pixel, nine for the loss
 constexpr int64_t kSplatBytes = 168;
 // Of motion nodes: weights and sorted bindings of a Gaussian; its place in a view and gradients.
 constexpr int64_t kBindingBytes = 176, kCarriedBytes = 73;
@@ -134,8 +136,10 @@ TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& op
   if (form != SetForm::kStatic && options.decide_motion)
     forecast.step_bytes += forecast.gaussians * kDecision;
   const int64_t model_bytes = forecast.parameter_bytes + forecast.step_bytes;
-  forecast.total_bytes = kProgram + forecast.frame_bytes + model_bytes;
-  forecast.host_bytes = kWithDevice + forecast.frame_bytes + forecast.parameter_bytes;
+  const int64_t while_scored = load.image_bytes + load.mask_bytes + kScoredPixel * load.pixels;
+  forecast.total_bytes = kProgram + std::max(forecast.frame_bytes + model_bytes, while_scored);
+  forecast.host_bytes =
+      kWithDevice + std::max(forecast.frame_bytes + forecast.parameter_bytes, while_scored);
   forecast.device_bytes = kOnDevice + forecast.device_frame_bytes + model_bytes;
   const double steps = double(options.iterations);
   const double pixels = double(batch) * double(load.pixels);

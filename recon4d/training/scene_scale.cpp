@@ -119,11 +119,12 @@ Scene scaled_scene(Scene scene, double scale) {
   if (scale == 1) return scene;
   std::map<const Image8*, FrameMask> masks;  // scaled, by those that frames share
   for (Frame& frame : scene.frames) {
-    const FrameMask own = std::exchange(frame.mask, {});
+    const FrameMask full = std::exchange(frame.mask, {});
     frame = scaled_frame(frame, scale);
-    if (own.data().empty()) continue;
-    FrameMask& mask = masks[own.shared()];
-    if (mask.data().empty()) mask = scaled_mask(own.image(), frame.image.width, frame.image.height);
+    if (full.data().empty()) continue;
+    FrameMask& mask = masks[full.shared()];
+    if (mask.data().empty())
+      mask = scaled_mask(full.image(), frame.image.width, frame.image.height);
     frame.mask = mask;
   }
   return scene;

@@ -22,7 +22,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
-#include "tools/commands/open_browser.h"
+#include "tools/live/open_browser.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_successor.h"

@@ -201,7 +201,7 @@ TEST_F(BatchReport, RunsOfAnEarlierRequestStandApart) {
   finish("solo", "fast", 1, 90, 5);
   ask({"room"}, {"fast"});
   const json all = report();
-  EXPECT_EQ(all["summary"], "2 of 2 runs done, 0 failed, 0 not run; 1 of 1 scenes whole");
+  EXPECT_EQ(all["summary"], "2 of 2 runs done, 0 failed, 0 not run; 1 of 1 scenes complete");
   EXPECT_EQ(all["runs"].size(), 2u);
   ASSERT_EQ(all["scenes"].size(), 1u) << all["scenes"].dump(1);
   EXPECT_EQ(all["scenes"][0]["points"].size(), 1u) << all["scenes"][0].dump(1);

@@ -1,5 +1,5 @@
 // The page is a file for this user alone; xdg-open, which chooses the browser, gets its name.
-#include "tools/commands/open_browser.h"
+#include "tools/live/open_browser.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
