@@ -42,8 +42,7 @@ std::string rate_warning(const std::vector<std::string>& cameras,
       "{}, the other{} {}: each frame keeps its own time, but fewer timesteps are seen by all "
       "cameras; film at one rate{}",
       listed_names(odd), others.size() == 1 ? "" : "s", rate_text(usual),
-      others.size() < 2 ? ""
-                        : fmt::format(", or pass --cameras {}", fmt::join(others, ",")));
+      others.size() < 2 ? "" : fmt::format(", or pass --cameras {}", fmt::join(others, ",")));
 }
 
 }  // namespace tessera

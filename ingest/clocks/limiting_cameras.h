@@ -16,10 +16,11 @@ struct LimitedClip {
   int64_t without = 0;                // that the others share
 };
 
-/// The fewest cameras without which a tenth of the clip, and two timesteps at least, are won. `cameras`: names; `seconds`:
-/// the times of each camera's frames on the clock of the rig, increasing, not empty. Timesteps are
-/// counted within `window`, whose rate is not looked at: those of the capture are counted. Of fewer
-/// than three cameras none is named, as none could be left out.
+/// The fewest cameras without which a tenth of the clip, and two timesteps at least, are won.
+/// `cameras`: names; `seconds`: the times of each camera's frames on the clock of the rig,
+/// increasing, not empty. Timesteps are counted within `window`, whose rate is not looked at: those
+/// of the capture are counted. Of fewer than three cameras none is named, as none could be left
+/// out.
 LimitedClip limited_clip(const std::vector<std::string>& cameras,
                          const std::vector<std::vector<double>>& seconds,
                          const FrameWindow& window);

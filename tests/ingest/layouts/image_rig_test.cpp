@@ -127,10 +127,9 @@ TEST_F(ImageRig, ACameraOfOneImageIsNamedBeforeColmap) {
   ::setenv("TESSERA_COLMAP", "/bin/false", 1);
   const std::vector<std::string> parts{"cam1 limits the clip to 1 of 5 timesteps",
                                        "--cameras cam0,cam2"};
-  expect_input_error(
-      [&] { ingest_capture(folder_ / "capture", folder_ / "scene", {}, {}); }, parts);
-  expect_input_error(
-      [&] { ingest_sample(folder_ / "capture", folder_ / "scene", {}, {}); }, parts);
+  expect_input_error([&] { ingest_capture(folder_ / "capture", folder_ / "scene", {}, {}); },
+                     parts);
+  expect_input_error([&] { ingest_sample(folder_ / "capture", folder_ / "scene", {}, {}); }, parts);
   ::unsetenv("TESSERA_COLMAP");
 }
 
