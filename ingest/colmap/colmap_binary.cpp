@@ -96,9 +96,9 @@ ColmapCameras read_colmap_cameras_bin(const std::filesystem::path& path) {
     const auto height = file.take<uint64_t>();
     std::vector<double> parameters(model.parameter_count());
     for (double& parameter : parameters) parameter = file.take<double>();
-    if (!cameras.emplace(id, make_colmap_camera(model, width, height, parameters, file.where()))
-             .second)
-      file.fail(fmt::format("lists camera {} twice", id));
+    const ColmapCamera camera = camera_or_reason(
+        [&] { return make_colmap_camera(model, width, height, parameters, file.where()); });
+    if (!cameras.emplace(id, camera).second) file.fail(fmt::format("lists camera {} twice", id));
   }
   file.expect_end();
   return cameras;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <map>
 #include <numeric>
 
 #include "ingest/colmap/colmap_records.h"
@@ -30,10 +31,28 @@ void put_pose(Camera& camera, const ColmapImage& image, const std::string& where
   camera.translation = t;
 }
 
+using LeftOut = std::map<std::string, std::vector<std::string>>;  // images by the reason
+
+/// A line a reason. Errors: InputError: no image of `listed` is left.
+void report_left_out(const LeftOut& left_out, size_t listed, std::vector<std::string>& warnings) {
+  constexpr size_t kNamed = 5;
+  size_t images = 0;
+  for (const auto& [reason, names] : left_out) {
+    images += names.size();
+    const std::vector<std::string> first(names.begin(),
+                                         names.begin() + long(std::min(names.size(), kNamed)));
+    warnings.push_back(fmt::format("{}; {} of {} images {} of this camera and left out: {}{}",
+                                   reason, names.size(), listed, names.size() == 1 ? "is" : "are",
+                                   fmt::join(first, ", "), names.size() > kNamed ? ", …" : ""));
+  }
+  if (images == listed) throw InputError(left_out.begin()->first);
+}
+
 std::vector<ColmapPhoto> photos_of(const ColmapCameras& cameras,
-                                   const std::vector<ColmapImage>& images,
-                                   const std::string& where) {
+                                   const std::vector<ColmapImage>& images, const std::string& where,
+                                   std::vector<std::string>& warnings) {
   std::vector<ColmapPhoto> photos;
+  LeftOut left_out;
   for (const ColmapImage& image : images) {
     const auto found = cameras.find(image.camera);
     if (found == cameras.end())
@@ -42,9 +61,14 @@ std::vector<ColmapPhoto> photos_of(const ColmapCameras& cameras,
           "from one folder",
           where, image.name, image.camera));
     const ColmapCamera& camera = found->second;
+    if (!camera.unusable.empty()) {
+      left_out[camera.unusable].push_back(image.name);
+      continue;
+    }
     photos.push_back({image.name, camera.camera, camera.lens, camera.model});
     put_pose(photos.back().camera, image, where);
   }
+  report_left_out(left_out, images.size(), warnings);
   std::sort(photos.begin(), photos.end(),
             [](const ColmapPhoto& a, const ColmapPhoto& b) { return a.name < b.name; });
   const auto twice = std::adjacent_find(
@@ -103,7 +127,7 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
     throw InputError(
         fmt::format("{}: holds no images; run COLMAP again, on photos that overlap more",
                     images_file.string()));
-  model.photos = photos_of(cameras, images, images_file.string());
+  model.photos = photos_of(cameras, images, images_file.string(), model.warnings);
   if (!std::filesystem::exists(points_file)) {
     model.warnings.push_back(
         fmt::format("{}: no such file; there is no initial cloud", points_file.string()));

@@ -13,6 +13,7 @@
 #include "ingest/poses/lens.h"
 #include "ingest/scene.h"
 #include "kernels/base/camera.h"
+#include "kernels/base/errors.h"
 
 namespace tessera {
 
@@ -20,6 +21,7 @@ struct ColmapCamera {
   std::string model;  // "OPENCV"
   Camera camera;      // size and intrinsics; no pose
   Lens lens;
+  std::string unusable{};  // why no image can be of it; empty: images can
 };
 
 struct ColmapCameraModel {
@@ -38,6 +40,19 @@ const ColmapCameraModel& colmap_camera_model(const std::string& name, const std:
 /// parameter that is not finite, another number of parameters than the model has.
 ColmapCamera make_colmap_camera(const ColmapCameraModel& model, uint64_t width, uint64_t height,
                                 const std::vector<double>& parameters, const std::string& where);
+
+/// What `make` returns, or a camera that states the InputError which it throws: only images of a
+/// camera that cannot be used are lost by it.
+template <class Make>
+ColmapCamera camera_or_reason(const Make& make) {
+  try {
+    return make();
+  } catch (const InputError& error) {
+    ColmapCamera camera;
+    camera.unusable = error.what();
+    return camera;
+  }
+}
 
 /// The lens's parameters that are not zero, by COLMAP's names, in one fixed order.
 std::vector<std::pair<const char*, double>> lens_parameters(const Lens& lens);

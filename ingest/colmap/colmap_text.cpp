@@ -1,5 +1,6 @@
 // Reads cameras.txt, images.txt and points3D.txt: values are separated by blanks, and # begins a
-// comment.
+// comment. COLMAP writes a line of observations behind each image, which may be empty; other
+// programs and editors leave the last one or all of them out.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +14,14 @@
 
 namespace tessera {
 namespace {
+
+template <class T>
+std::optional<T> number_of(std::string_view word) {
+  T value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
 
 /// One line, word by word.
 class Words {
@@ -28,12 +37,10 @@ class Words {
   template <class T>
   T number(const char* what) {
     const std::string_view word = next();
-    T value{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (word.empty()) fail(fmt::format("ends before {}", what));
-    if (error != std::errc{} || end != word.data() + word.size())
-      fail(fmt::format("has '{}' for {}, expected a number", word, what));
-    return value;
+    const std::optional<T> value = number_of<T>(word);
+    if (!value) fail(fmt::format("has '{}' for {}, expected a number", word, what));
+    return *value;
   }
   /// All that is left, without blanks around it.
   std::string_view rest() {
@@ -60,6 +67,18 @@ class Words {
   std::string where_;
 };
 
+/// An id, a pose, a camera's id and a name, which is not all numbers as observations are.
+bool is_image(std::string_view line) {
+  Words words(line, "");
+  if (!number_of<uint32_t>(words.next())) return false;
+  for (int i = 0; i < 7; ++i)
+    if (!number_of<double>(words.next())) return false;
+  if (!number_of<uint32_t>(words.next())) return false;
+  for (std::string_view word = words.next(); !word.empty(); word = words.next())
+    if (!number_of<double>(word)) return true;
+  return false;
+}
+
 /// The lines of a file, and the count that its comment states.
 class TextRecords {
  public:
@@ -77,12 +96,15 @@ class TextRecords {
     }
     return std::nullopt;
   }
-  /// The line after a record, which may be empty but must be there.
-  Words next_line_of_record() {
+  /// The line after an image, unless it is the next image, a comment or the end of the file.
+  std::optional<Words> observations() {
+    const size_t at = at_;
     const auto line = next_line();
-    if (!line)
-      Words({}, where()).fail("ends before the line of this image's points, which may be empty");
-    return {*line, where()};
+    if (!line) return std::nullopt;
+    if (!line->starts_with('#') && !is_image(*line)) return Words(*line, where());
+    at_ = at;
+    --line_;
+    return std::nullopt;
   }
   /// A stated count that is not the one found.
   void check_count(std::vector<std::string>& warnings) const {
@@ -125,15 +147,16 @@ ColmapCameras read_colmap_cameras_txt(const std::filesystem::path& path,
   ColmapCameras cameras;
   while (auto words = file.next_record()) {
     const auto id = words->number<uint32_t>("the camera's id");
-    const std::string name(words->next());
-    const ColmapCameraModel& model = colmap_camera_model(name, words->where());
-    const auto width = words->number<uint64_t>("the width");
-    const auto height = words->number<uint64_t>("the height");
-    std::vector<double> parameters;
-    while (!words->rest().empty()) parameters.push_back(words->number<double>("a parameter"));
-    if (!cameras.emplace(id, make_colmap_camera(model, width, height, parameters, words->where()))
-             .second)
-      words->fail(fmt::format("lists camera {} twice", id));
+    const ColmapCamera camera = camera_or_reason([&] {
+      const std::string name(words->next());
+      const ColmapCameraModel& model = colmap_camera_model(name, words->where());
+      const auto width = words->number<uint64_t>("the width");
+      const auto height = words->number<uint64_t>("the height");
+      std::vector<double> parameters;
+      while (!words->rest().empty()) parameters.push_back(words->number<double>("a parameter"));
+      return make_colmap_camera(model, width, height, parameters, words->where());
+    });
+    if (!cameras.emplace(id, camera).second) words->fail(fmt::format("lists camera {} twice", id));
   }
   file.check_count(warnings);
   return cameras;
@@ -152,10 +175,10 @@ std::vector<ColmapImage> read_colmap_images_txt(const std::filesystem::path& pat
     image.camera = words->number<uint32_t>("the camera's id");
     image.name = words->rest();
     if (image.name.empty()) words->fail("ends before the image's name");
-    Words features = file.next_line_of_record();
-    if (const int64_t count = features.count_left(); count % 3 != 0)
-      features.fail(
-          fmt::format("has {} values, expected x, y and a point's id of each feature", count));
+    if (std::optional<Words> features = file.observations())
+      if (const int64_t count = features->count_left(); count % 3 != 0)
+        features->fail(
+            fmt::format("has {} values, expected x, y and a point's id of each feature", count));
     images.push_back(std::move(image));
   }
   file.check_count(warnings);
