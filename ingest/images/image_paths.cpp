@@ -44,24 +44,19 @@ std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder
   return images;
 }
 
-std::filesystem::path find_image(const std::filesystem::path& folder,
-                                 const std::string& file_path) {
-  const std::filesystem::path stated = folder / with_slashes(file_path);
-  const auto with = [&](std::string_view extension) {
-    std::filesystem::path path = stated;
-    return path += extension;
-  };
-  if (const auto png = with(".png"); is_file(png)) return png;
-  if (is_file(stated)) return stated;
-  for (const std::string_view extension : kExtensions)
-    if (const auto path = with(extension); is_file(path)) return path;
+std::filesystem::path with_image_extension(const std::filesystem::path& path) {
+  for (const std::string_view extension : kExtensions) {
+    std::filesystem::path whole = path;
+    if (is_file(whole += extension)) return whole;
+  }
   return {};
 }
 
 std::filesystem::path require_image(const std::filesystem::path& folder,
                                     const std::string& file_path, const std::string& where) {
-  if (auto found = find_image(folder, file_path); !found.empty()) return found;
   const std::filesystem::path stated = folder / with_slashes(file_path);
+  if (is_file(stated)) return stated;
+  if (auto found = with_image_extension(stated); !found.empty()) return found;
   throw InputError(fmt::format("{}: no such image as {}{}; restore it or remove the frame", where,
                                stated.string(), is_image_name(stated) ? "" : "(.png)"));
 }

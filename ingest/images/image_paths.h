@@ -22,10 +22,12 @@ bool is_file(const std::filesystem::path& path);
 /// The images directly in `folder` by their extensions, sorted by name; hidden ones left out.
 std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder);
 
-/// The existing image that `file_path` (relative to `folder`, with or without extension) means;
-/// `file_path` + ".png" is tried first; an empty path where there is none.
-std::filesystem::path find_image(const std::filesystem::path& folder, const std::string& file_path);
-/// The same. Errors: InputError that starts with `where` where there is none.
+/// The existing file of this path with the extension of an image behind it, ".png" first; an empty
+/// path where there is none.
+std::filesystem::path with_image_extension(const std::filesystem::path& path);
+
+/// The existing image that `file_path` (relative to `folder`, with or without extension) means.
+/// Errors: InputError that starts with `where` where there is none.
 std::filesystem::path require_image(const std::filesystem::path& folder,
                                     const std::string& file_path, const std::string& where);
 

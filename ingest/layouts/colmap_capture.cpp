@@ -9,6 +9,7 @@
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/fnv1a.h"
 #include "ingest/files/point_cloud.h"
+#include "ingest/images/image_index.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/images/resampling.h"
 #include "ingest/layouts/conversion.h"
@@ -68,14 +69,6 @@ std::filesystem::path image_folder(const std::filesystem::path& capture, const s
                      : fmt::format("pass --images with one of {}", listed_names(others))));
 }
 
-/// The photo's file: under its own name, else with another extension (reduced copies may be PNG).
-std::filesystem::path file_of(const std::filesystem::path& folder, const std::string& name) {
-  if (auto same = folder / name; is_file(same)) return same;
-  for (const char* extension : {".png", ".PNG", ".jpg", ".JPG", ".jpeg", ".JPEG"})
-    if (auto other = (folder / name).replace_extension(extension); is_file(other)) return other;
-  return {};
-}
-
 void count_unregistered(const std::filesystem::path& folder, const std::vector<FoundPhoto>& found,
                         bool strict, std::vector<std::string>& warnings) {
   std::set<std::filesystem::path> registered;
@@ -83,6 +76,7 @@ void count_unregistered(const std::filesystem::path& folder, const std::vector<F
   std::vector<std::string> others;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
     if (is_file(entry.path()) && is_image_name(entry.path()) &&
+        !entry.path().filename().string().starts_with('.') &&
         !registered.contains(entry.path().lexically_normal()))
       others.push_back(entry.path().lexically_relative(folder).generic_string());
   if (others.empty()) return;
@@ -105,9 +99,10 @@ std::vector<FoundPhoto> find_photos(ColmapModel& model, const std::filesystem::p
   for (const ColmapPhoto& photo : model.photos) stated.push_back(photo.name);
   const std::vector<Split> splits = every_nth_split(stated, test_every);
   std::set<std::string> names;
+  ImageIndex images(folder);
   for (size_t i = 0; i < model.photos.size(); ++i) {
     ColmapPhoto& photo = model.photos[i];
-    const auto file = file_of(folder, photo.name);
+    const auto file = images.find(photo.name);
     if (file.empty()) {
       missing.push_back(photo.name);
       continue;
@@ -116,6 +111,7 @@ std::vector<FoundPhoto> find_photos(ColmapModel& model, const std::filesystem::p
     if (!names.insert(name).second) names.insert(name = name_of_image(photo.name + ".png"));
     found.push_back({std::move(photo), file, name, splits[i]});
   }
+  for (std::string& line : images.lines()) warnings.push_back(std::move(line));
   if (found.empty())
     throw InputError(
         fmt::format("{}: none of the {} photos with a pose is there ({}); put them there, or pass "

@@ -11,6 +11,7 @@
 
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/files/folders.h"
+#include "ingest/images/image_index.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/poses/transforms_values.h"
 #include "kernels/base/errors.h"
@@ -52,21 +53,30 @@ Split split_of(const json& frame, const json& file, Split split_of_file, const s
   return split_of_file;
 }
 
-/// The file of `mask_path`, which is relative to the json; empty when none is stated.
+/// The file of `mask_path`, which is relative to `folder`; empty when none is stated.
 std::filesystem::path mask_of(const json& entry, const std::filesystem::path& folder,
-                              const std::string& where) {
+                              ImageIndex& files, const std::string& where) {
   const std::string stated = string_at(entry, "mask_path", where);
   if (stated.empty()) return {};
-  const std::filesystem::path path = folder / stated;
-  if (!std::filesystem::is_regular_file(path))
+  std::filesystem::path path = files.find(stated);
+  if (path.empty())
     throw InputError(fmt::format("{}: no such mask as {}; restore it or take mask_path out", where,
-                                 path.string()));
+                                 (folder / stated).string()));
   return path;
+}
+
+/// Of an image below the folder of the json by its place there, whatever the json states; of any
+/// other by what is stated.
+std::string name_of_frame(const std::string& file_path, const std::filesystem::path& image,
+                          const std::filesystem::path& folder) {
+  const std::filesystem::path below = image.lexically_relative(folder);
+  const bool elsewhere = image.empty() || below.empty() || *below.begin() == "..";
+  return name_of_image(elsewhere ? file_path : below.generic_string());
 }
 
 TransformsFrame parse_frame(const json& entry, const json& file, const StatedIntrinsics& globals,
                             const std::filesystem::path& json_path, size_t index,
-                            Split split_of_file, Images images) {
+                            Split split_of_file, Images images, ImageIndex& files) {
   TransformsFrame frame;
   frame.where = fmt::format("{}, frame {}", json_path.string(), index);
   std::string file_path =
@@ -76,12 +86,14 @@ TransformsFrame parse_frame(const json& entry, const json& file, const StatedInt
     throw InputError(fmt::format("{}: has no file_path; name its image", frame.where));
   frame.where += fmt::format(" ({})", file_path);
   frame.split = split_of(entry, file, split_of_file, frame.where);
-  if (images == Images::kRequired)
-    frame.image = require_image(json_path.parent_path(), file_path, frame.where);
-  else if (images == Images::kListed)
-    frame.image = find_image(json_path.parent_path(), file_path);
-  if (images != Images::kUnused) frame.mask = mask_of(entry, json_path.parent_path(), frame.where);
-  frame.name = name_of_image(file_path);
+  const std::filesystem::path folder = json_path.parent_path();
+  if (images != Images::kUnused) {
+    frame.image = files.find(file_path);
+    if (frame.image.empty() && images == Images::kRequired)
+      frame.image = require_image(folder, file_path, frame.where);
+    frame.mask = mask_of(entry, folder, files, frame.where);
+  }
+  frame.name = name_of_frame(file_path, frame.image, folder);
   frame.time = finite_number(entry, "time", frame.where);
   if (images == Images::kListed)
     frame.lens = stated_lens(entry, file, frame.where);
@@ -132,9 +144,11 @@ void read_file(const std::filesystem::path& path, Split split_of_file, Images im
   const StatedIntrinsics globals = intrinsics_of(file, where);
   if (capture.points_file.empty()) capture.points_file = string_at(file, "ply_file_path", where);
   if (file.contains("tessera")) read_prepared_object(file["tessera"], where, capture);
+  ImageIndex found(path.parent_path());
   for (size_t i = 0; i < frames->size(); ++i)
     capture.frames.push_back(
-        parse_frame((*frames)[i], file, globals, path, i, split_of_file, images));
+        parse_frame((*frames)[i], file, globals, path, i, split_of_file, images, found));
+  for (std::string& line : found.lines()) capture.warnings.push_back(std::move(line));
 }
 
 /// The same image may be in two splits (val copied from test); its second name has the split.

@@ -18,12 +18,12 @@ Numbers numbers_of(const std::vector<std::pair<std::string, double>>& rows) {
 }
 
 /// `offset` of each camera and its frame gap, in frames of 1 / (count - 1).
-struct Camera {
+struct FilmingCamera {
   double offset = 0, gap = 1;
   Split split = Split::kTrain;
 };
 
-std::vector<FrameTime> rig(const std::vector<Camera>& cameras, int count) {
+std::vector<FrameTime> rig(const std::vector<FilmingCamera>& cameras, int count) {
   std::vector<FrameTime> frames;
   for (size_t c = 0; c < cameras.size(); ++c)
     for (int t = 0; t * cameras[c].gap < count; ++t)
