@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <numeric>
 
 #include "ingest/colmap/colmap_records.h"
+#include "ingest/images/image_paths.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -29,6 +31,28 @@ void put_pose(Camera& camera, const ColmapImage& image, const std::string& where
                     where, image.name, length, t.x, t.y, t.z));
   camera.cam_from_world = glm::mat3_cast(rotation / length);
   camera.translation = t;
+}
+
+/// "cameras.txt" or "Cameras.txt", as other programs write it; empty where there is none.
+std::filesystem::path file_of_model(const std::filesystem::path& folder, const std::string& name) {
+  if (std::filesystem::is_regular_file(folder / name)) return folder / name;
+  const auto lower = [](std::string text) {
+    for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+  };
+  std::error_code unreachable;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, unreachable))
+    if (entry.is_regular_file(unreachable) &&
+        lower(entry.path().filename().string()) == lower(name))
+      return entry.path();
+  return {};
+}
+
+/// ".bin" or ".txt"; empty where the folder has no list of cameras.
+std::string model_kind(const std::filesystem::path& folder) {
+  for (const char* extension : {".bin", ".txt"})
+    if (!file_of_model(folder, std::string("cameras") + extension).empty()) return extension;
+  return "";
 }
 
 using LeftOut = std::map<std::string, std::vector<std::string>>;  // images by the reason
@@ -100,25 +124,30 @@ void drop_infinite_points(PointCloud& points, const std::string& where,
 
 std::filesystem::path find_colmap_model(const std::filesystem::path& capture) {
   for (const auto& folder : {capture / "sparse" / "0", capture / "sparse"})
-    for (const char* name : {"cameras.bin", "cameras.txt"})
-      if (std::filesystem::is_regular_file(folder / name)) return folder;
-  return {};
+    if (!model_kind(folder).empty()) return folder;
+  // beside the images, as RealityScan's flat export has it
+  const std::string kind = model_kind(capture);
+  const bool is_model = !kind.empty() && !file_of_model(capture, "images" + kind).empty();
+  return is_model && !images_in(capture).empty() ? capture : std::filesystem::path();
 }
 
 ColmapModel read_colmap_model(const std::filesystem::path& folder) {
-  const bool binary = std::filesystem::exists(folder / "cameras.bin");
+  const bool binary = model_kind(folder) == ".bin";
   const std::string extension = binary ? ".bin" : ".txt";
-  const auto cameras_file = folder / ("cameras" + extension);
-  const auto images_file = folder / ("images" + extension);
-  const auto points_file = folder / ("points3D" + extension);
+  const auto file = [&](const char* name) {
+    const auto found = file_of_model(folder, name + extension);
+    return found.empty() ? folder / (name + extension) : found;
+  };
+  const auto cameras_file = file("cameras"), images_file = file("images"),
+             points_file = file("points3D");
   ColmapModel model;
   model.files = {cameras_file, images_file};
-  for (const auto& file : model.files)
-    if (!std::filesystem::is_regular_file(file))
+  for (const auto& needed : model.files)
+    if (!std::filesystem::is_regular_file(needed))
       throw InputError(fmt::format(
           "{}: no such file, expected a COLMAP model (cameras, images and points3D, .bin or .txt); "
           "copy the model again",
-          file.string()));
+          needed.string()));
   const auto cameras = binary ? read_colmap_cameras_bin(cameras_file)
                               : read_colmap_cameras_txt(cameras_file, model.warnings);
   const auto images = binary ? read_colmap_images_bin(images_file)

@@ -25,8 +25,9 @@ struct ColmapModel {
   std::vector<std::string> warnings;         // one line each
 };
 
-/// `capture`/sparse/0 or `capture`/sparse, the first that has cameras.bin or cameras.txt; an empty
-/// path where neither has.
+/// `capture`/sparse/0 or `capture`/sparse, the first that has cameras.bin or cameras.txt, in any
+/// case; else `capture` where it has these, the list of images and the images themselves. An empty
+/// path where none has.
 std::filesystem::path find_colmap_model(const std::filesystem::path& capture);
 
 /// Reads the .bin files of `folder`, the .txt files where those are absent. Errors: InputError
