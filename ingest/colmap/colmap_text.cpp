@@ -98,11 +98,11 @@ class TextRecords {
   }
   /// The line after an image, unless it is the next image, a comment or the end of the file.
   std::optional<Words> observations() {
-    const size_t at = at_;
+    const size_t before = at_;
     const auto line = next_line();
     if (!line) return std::nullopt;
     if (!line->starts_with('#') && !is_image(*line)) return Words(*line, where());
-    at_ = at;
+    at_ = before;
     --line_;
     return std::nullopt;
   }
