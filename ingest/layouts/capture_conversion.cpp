@@ -19,6 +19,7 @@ extern "C" {
 #include "ingest/images/alpha_and_mask.h"
 #include "ingest/images/resampling.h"
 #include "ingest/layouts/capture_layout.h"
+#include "ingest/layouts/unread_files.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -103,6 +104,12 @@ IngestReport convert_staged(const std::filesystem::path& capture, const std::fil
   const IngestProgress report_progress =
       progress ? progress : [](std::string_view, int64_t, int64_t) {};
   Converted converted = converter_of(layout)(capture, staged.path(), options, report_progress);
+  const std::vector<PreparedFrame>& frames = converted.scene.frames;
+  const bool has_masks = std::any_of(frames.begin(), frames.end(), [](const PreparedFrame& frame) {
+    return !frame.mask_path.empty();
+  });
+  for (std::string& line : unread_files(capture, has_masks))
+    converted.report.warnings.push_back(std::move(line));
   finish_scene(converted, layout, staged.path(), options, report_progress);
   converted.report.layout = layout;
   staged.commit();

@@ -1,0 +1,15 @@
+// What lies in a capture and is not read, although its user may think so.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+/// A line for each extension of images and videos that this program does not read, with their
+/// number, and one for masks that lie beside the images where `has_masks` is false. Looks at the
+/// capture and two levels below; hidden files and folders do not count, and folders that cannot be
+/// listed are passed over.
+std::vector<std::string> unread_files(const std::filesystem::path& capture, bool has_masks);
+
+}  // namespace tessera
