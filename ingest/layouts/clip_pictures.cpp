@@ -64,7 +64,9 @@ PreparedClip write_clip_images(const RigClip& clip, const ClipFrames& frames,
   ImageWriter writer(folder, options.scale, undistortion);
   size_t next = 0;
   bool has_alpha = false;
+  std::string tone_map = "none";
   decode_clip(clip, frames.ticks, [&](VideoFrame decoded) {
+    tone_map = tone_map_of(decoded.colour);
     has_alpha = has_alpha || decoded.image.channels == 4;
     writer.add(frames.files[next++], std::move(decoded.image));
     on_image();
@@ -73,7 +75,7 @@ PreparedClip write_clip_images(const RigClip& clip, const ClipFrames& frames,
   writer.write();
   return {scaled_camera(camera, options.scale),
           prepare_camera_mask(folder, clip.name, stated, clip.camera->lens, camera, options),
-          has_alpha};
+          has_alpha, tone_map};
 }
 
 }  // namespace tessera

@@ -35,24 +35,29 @@ std::vector<size_t> frames_of(const RigClip& clip, const IngestOptions& options)
   return thinned;
 }
 
-/// Writes the frames as NAME.png; returns their presentation times by NAME.
-std::map<std::string, int64_t> write_frames(const RigClip& clip, const fs::path& folder,
-                                            const IngestOptions& options,
-                                            const IngestProgress& progress) {
+struct WrittenFrames {
+  std::map<std::string, int64_t> times;  // presentation times by NAME
+  std::string tone_map = "none";         // what made sRGB of them
+};
+
+/// Writes the frames as NAME.png.
+WrittenFrames write_frames(const RigClip& clip, const fs::path& folder,
+                           const IngestOptions& options, const IngestProgress& progress) {
   fs::remove_all(folder);
   make_folder(folder);
   std::vector<int64_t> wanted;
   for (const size_t frame : frames_of(clip, options)) wanted.push_back(clip.timeline.ticks[frame]);
-  std::map<std::string, int64_t> times;
+  WrittenFrames written;
   decode_clip(clip, wanted, [&](VideoFrame decoded) {
-    const std::string name = fmt::format("{:06}", times.size());
-    times[name] = decoded.ticks;
+    const std::string name = fmt::format("{:06}", written.times.size());
+    written.times[name] = decoded.ticks;
+    written.tone_map = tone_map_of(decoded.colour);
     write_prepared_image(folder / (name + ".png"), std::move(decoded.image), 1);
-    progress("decoding " + clip.video.filename().string(), int64_t(times.size()),
+    progress("decoding " + clip.video.filename().string(), int64_t(written.times.size()),
              int64_t(wanted.size()));
     return true;
   });
-  return times;
+  return written;
 }
 
 /// Frames of photos become frames of one camera at their times.
@@ -83,7 +88,7 @@ void set_times(const RigClip& clip, const std::map<std::string, int64_t>& times,
 Converted convert_moving_video(const fs::path& capture, const RigClip& clip, const fs::path& folder,
                                const IngestOptions& options, const IngestProgress& progress) {
   const fs::path images = options.work / "frames";
-  const auto times = write_frames(clip, images, options, progress);
+  const WrittenFrames written = write_frames(clip, images, options, progress);
   const MovingCameraModel estimate =
       estimate_moving_camera(images, true, options.work / "colmap", options.poses, progress);
   Converted converted = convert_photos(capture, images, read_colmap_model(estimate.folder), folder,
@@ -91,7 +96,8 @@ Converted convert_moving_video(const fs::path& capture, const RigClip& clip, con
   std::vector<std::string>& warnings = converted.report.warnings;
   warnings.insert(warnings.begin(), estimate.warnings.begin(), estimate.warnings.end());
   converted.scene.layout = clip.images.empty() ? "videos" : "sequences";
-  set_times(clip, times, options.allow_static, clip.video.string(), converted.scene);
+  set_times(clip, written.times, options.allow_static, clip.video.string(), converted.scene);
+  if (written.tone_map != "none") converted.scene.tone_map = written.tone_map;
   converted.scene.sources = {{clip.video.filename().string(), clip_hash(clip)}};
   converted.report.cameras = 1;
   fs::remove_all(images);

@@ -45,6 +45,7 @@ struct PreparedClip {
   Camera camera;
   std::string mask_path;  // below the scene's folder; empty without a mask
   bool has_alpha = false;
+  std::string tone_map = "none";  // what made sRGB of its frames (tone_map_of)
 };
 
 /// Decodes the frames of `clip`, whose camera is known, in order of presentation and writes them

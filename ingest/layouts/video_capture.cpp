@@ -148,6 +148,12 @@ void record_camera(const RigClip& clip, const ClipClock& clock, const PreparedCl
   scene.sources.push_back({clip.video.filename().string(), clip_hash(clip)});
 }
 
+/// The conversions of all clips, each once.
+void record_tone_map(const std::string& of_clip, PreparedScene& scene) {
+  if (of_clip == "none" || scene.tone_map.find(of_clip) != std::string::npos) return;
+  scene.tone_map = scene.tone_map == "none" ? of_clip : scene.tone_map + "; " + of_clip;
+}
+
 /// A few timesteps spread over the kept frames of the first clip, with each clip's nearest frame.
 std::vector<RigInstant> spread_instants(const std::vector<std::vector<size_t>>& chosen,
                                         const std::vector<std::vector<double>>& timesteps,
@@ -225,6 +231,7 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
       progress(doing, ++done, int64_t(scene.frames.size()));
     });
     record_camera(rig.clips[i], clocks.clocks[i], prepared, scene);
+    record_tone_map(prepared.tone_map, scene);
     if (prepared.has_alpha) scene.background = "alpha kept";
   }
   const bool one_instant = options.allow_static || options.frames == 1;

@@ -46,7 +46,7 @@ struct PreparedScene {
   std::string layout;             // "transforms", "n3dv", "colmap", "llff"
   std::string background;         // what was done about alpha: "alpha kept", "opaque"
   bool inverted_masks = false;    // masks had black for used pixels; those written never have
-  std::string tone_map = "none";  // of images with linear pixels
+  std::string tone_map = "none";  // of linear images, HLG, PQ and BT.2020 videos
   double scale = 1;               // prepared size by source size
   TimeAxis time_axis;
   Similarity prepared_from_source;  // poses and points here are in the prepared world

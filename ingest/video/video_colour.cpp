@@ -3,95 +3,65 @@
 
 extern "C" {
 #include <libavutil/frame.h>
-#include <libavutil/pixdesc.h>
 #include <libswscale/swscale.h>
 }
 
 #include <opencv2/core.hpp>
 
+#include "ingest/video/display_light.h"
+#include "ingest/video/frame_colour.h"
 #include "ingest/video/video_file.h"
 
 namespace tessera {
 namespace {
 
-constexpr int kHighDefinitionLines = 720;  // from here on, unstated colour is BT.709
-
-constexpr int kNoMatrix = -1;
-
-/// swscale's name of the YCbCr matrix; kNoMatrix where it has none.
-int matrix_of(const AVFrame& frame) {
-  switch (frame.colorspace) {
-    case AVCOL_SPC_BT709:
-      return SWS_CS_ITU709;
-    case AVCOL_SPC_FCC:
-      return SWS_CS_FCC;
-    case AVCOL_SPC_BT470BG:
-    case AVCOL_SPC_SMPTE170M:
-      return SWS_CS_ITU601;
-    case AVCOL_SPC_SMPTE240M:
-      return SWS_CS_SMPTE240M;
-    case AVCOL_SPC_BT2020_NCL:
-      return SWS_CS_BT2020;
-    case AVCOL_SPC_BT2020_CL:
-    case AVCOL_SPC_YCGCO:
-    case AVCOL_SPC_SMPTE2085:
-    case AVCOL_SPC_CHROMA_DERIVED_CL:
-    case AVCOL_SPC_ICTCP:
-      return kNoMatrix;
-    default:
-      return frame.height < kHighDefinitionLines ? SWS_CS_ITU601 : SWS_CS_ITU709;
-  }
-}
-
-bool is_full_range(const AVFrame& frame) {
-  if (frame.color_range != AVCOL_RANGE_UNSPECIFIED) return frame.color_range == AVCOL_RANGE_JPEG;
-  switch (frame.format) {
-    case AV_PIX_FMT_YUVJ420P:
-    case AV_PIX_FMT_YUVJ422P:
-    case AV_PIX_FMT_YUVJ444P:
-    case AV_PIX_FMT_YUVJ440P:
-    case AV_PIX_FMT_YUVJ411P:
-      return true;
-    default:
-      break;
-  }
-  const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(AVPixelFormat(frame.format));
-  const bool is_rgb_or_grey =
-      (format->flags & AV_PIX_FMT_FLAG_RGB) != 0 || format->nb_components < 3;
-  return is_rgb_or_grey;
-}
-
 cv::Mat plane(const AVFrame& planes, int index) {
   return {planes.height, planes.width, CV_8UC1, planes.data[index], size_t(planes.linesize[index])};
 }
 
-/// Planes G, B, R → RGB, turned clockwise.
-Image8 interleaved(const AVFrame& planes, int quarter_turns) {
+/// Calls `fill` with memory for the coded image, RGB, and turns what it wrote clockwise.
+template <class Fill>
+Image8 upright_image(const AVFrame& coded, int quarter_turns, const Fill& fill) {
   const bool lies = quarter_turns % 2 != 0;
-  Image8 image{lies ? planes.height : planes.width, lies ? planes.width : planes.height, 3, {}};
+  Image8 image{lies ? coded.height : coded.width, lies ? coded.width : coded.height, 3, {}};
   image.data.resize(size_t(image.width) * size_t(image.height) * 3);
   cv::Mat upright(image.height, image.width, CV_8UC3, image.data.data());
-  const cv::Mat rgb[] = {plane(planes, 2), plane(planes, 0), plane(planes, 1)};
   if (quarter_turns == 0) {
-    cv::merge(rgb, 3, upright);
+    fill(upright);
     return image;
   }
   constexpr cv::RotateFlags kTurns[] = {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180,
                                         cv::ROTATE_90_COUNTERCLOCKWISE};
-  cv::Mat coded;
-  cv::merge(rgb, 3, coded);
-  cv::rotate(coded, upright, kTurns[quarter_turns - 1]);
+  cv::Mat lying(coded.height, coded.width, CV_8UC3);
+  fill(lying);
+  cv::rotate(lying, upright, kTurns[quarter_turns - 1]);
   return image;
 }
 
-/// Memory for planes of this size; that of the frame before where it fits.
-void prepare_planes(LibavOwned<AVFrame>& planes, int width, int height) {
-  if (planes != nullptr && planes->width == width && planes->height == height) return;
-  planes = new_frame();
-  planes->width = width;
-  planes->height = height;
-  planes->format = AV_PIX_FMT_GBRP;  // swscale's SIMD writes planes, twice as fast as RGB24
-  if (av_frame_get_buffer(planes.get(), 0) < 0) throw std::bad_alloc();
+/// Planes G, B, R → RGB.
+void interleave(const AVFrame& planes, cv::Mat& image) {
+  const cv::Mat rgb[] = {plane(planes, 2), plane(planes, 0), plane(planes, 1)};
+  cv::merge(rgb, 3, image);
+}
+
+/// 16-bit RGB → 8-bit sRGB.
+void show(const AVFrame& signals, const FrameColour& colour, cv::Mat& image) {
+  for (int y = 0; y < signals.height; ++y)
+    srgb_of(colour,
+            reinterpret_cast<const uint16_t*>(signals.data[0] + ptrdiff_t(y) * signals.linesize[0]),
+            size_t(signals.width), image.ptr<uint8_t>(y));
+}
+
+/// Memory for pixels of this size and format; that of the frame before where it fits.
+void prepare_pixels(LibavOwned<AVFrame>& pixels, int width, int height, AVPixelFormat format) {
+  if (pixels != nullptr && pixels->width == width && pixels->height == height &&
+      pixels->format == format)
+    return;
+  pixels = new_frame();
+  pixels->width = width;
+  pixels->height = height;
+  pixels->format = format;
+  if (av_frame_get_buffer(pixels.get(), 0) < 0) throw std::bad_alloc();
 }
 
 }  // namespace
@@ -104,29 +74,37 @@ FrameToRgb::~FrameToRgb() {
 Image8 FrameToRgb::convert(const AVFrame& frame, const ImageShape& shape) {
   constexpr int kFlags = SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
   constexpr int kUnity = 1 << 16;  // contrast and saturation, 16.16 fixed point
-  const int matrix = matrix_of(frame);
-  if (matrix == kNoMatrix) return {};
+  const FrameColour colour = colour_of(frame);
+  if (colour.matrix == FrameColour::kNoMatrix) return {};
+  // swscale's SIMD writes planes of 8 bits, twice as fast as RGB24.
+  const AVPixelFormat format = colour.is_srgb() ? AV_PIX_FMT_GBRP : AV_PIX_FMT_RGB48;
   const bool lies = shape.quarter_turns % 2 != 0;
-  prepare_planes(planes_,
+  prepare_pixels(pixels_,
                  shape.width == 0 ? frame.width
                  : lies           ? shape.height
                                   : shape.width,
                  shape.width == 0 ? frame.height
                  : lies           ? shape.width
-                                  : shape.height);
-  const bool same_size = planes_->width == frame.width && planes_->height == frame.height;
+                                  : shape.height,
+                 format);
+  const bool same_size = pixels_->width == frame.width && pixels_->height == frame.height;
   context_ = sws_getCachedContext(context_, frame.width, frame.height, AVPixelFormat(frame.format),
-                                  planes_->width, planes_->height, AV_PIX_FMT_GBRP,
+                                  pixels_->width, pixels_->height, format,
                                   kFlags | (same_size ? SWS_BILINEAR : SWS_AREA), nullptr, nullptr,
                                   nullptr);
   if (context_ == nullptr) return {};
   // The result is negative where the format has no matrix; RGB has none, which is no failure.
-  sws_setColorspaceDetails(context_, sws_getCoefficients(matrix), is_full_range(frame),
+  sws_setColorspaceDetails(context_, sws_getCoefficients(colour.matrix), colour.full_range,
                            sws_getCoefficients(SWS_CS_DEFAULT), 1, 0, kUnity, kUnity);
-  const int lines = sws_scale(context_, frame.data, frame.linesize, 0, frame.height, planes_->data,
-                              planes_->linesize);
-  if (lines != planes_->height) return {};
-  return interleaved(*planes_, shape.quarter_turns);
+  const int lines = sws_scale(context_, frame.data, frame.linesize, 0, frame.height, pixels_->data,
+                              pixels_->linesize);
+  if (lines != pixels_->height) return {};
+  return upright_image(*pixels_, shape.quarter_turns, [&](cv::Mat& image) {
+    if (colour.is_srgb())
+      interleave(*pixels_, image);
+    else
+      show(*pixels_, colour, image);
+  });
 }
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// Converts a decoded frame of any pixel format to upright 8-bit RGB with the matrix and range of
-// the video. Primaries and transfer curve stay those of the video.
+// Converts a decoded frame of any pixel format to upright 8-bit sRGB with the matrix, range,
+// transfer curve and primaries of the frame (frame_colour.h).
 #pragma once
 #include "ingest/scene.h"
 #include "ingest/video/video_file.h"
@@ -20,13 +20,13 @@ class FrameToRgb {
   FrameToRgb(const FrameToRgb&) = delete;
   FrameToRgb& operator=(const FrameToRgb&) = delete;
 
-  /// Unstated matrices are BT.601 below 720 lines, BT.709 from there. An empty image where the
-  /// pixel format or the colour matrix has no conversion.
+  /// SDR values are taken as sRGB; HLG, PQ and BT.2020 go through 16 bits and srgb_of. An empty
+  /// image where the pixel format or the colour matrix has no conversion.
   Image8 convert(const AVFrame& frame, const ImageShape& shape);
 
  private:
   SwsContext* context_ = nullptr;  // kept between frames of one format
-  LibavOwned<AVFrame> planes_;     // kept too: new pages cost as much as the conversion
+  LibavOwned<AVFrame> pixels_;     // kept too: new pages cost as much as the conversion
 };
 
 }  // namespace tessera

@@ -80,7 +80,7 @@ bool ImageBatch::deliver() {
   const size_t count = std::exchange(waiting_, 0);
   for (size_t i = 0; i < count && !stopped_; ++i) {
     ++delivered_;
-    stopped_ = !on_frame_({frames_[i]->pts, std::move(images[i])});
+    stopped_ = !on_frame_({frames_[i]->pts, std::move(images[i]), colour_of(*frames_[i])});
   }
   for (size_t i = 0; i < count; ++i) av_frame_unref(frames_[i].get());
   return !stopped_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ingest/scene.h"
+#include "ingest/video/frame_colour.h"
 #include "ingest/video/frame_timing.h"
 
 namespace tessera {
@@ -28,8 +29,9 @@ struct VideoStream {
 };
 
 struct VideoFrame {
-  int64_t ticks = 0;  // presentation time in the stream's time base
-  Image8 image;       // RGB, full range
+  int64_t ticks = 0;     // presentation time in the stream's time base
+  Image8 image;          // RGB, full range, sRGB
+  FrameColour colour{};  // of the frame before its conversion to sRGB
 };
 
 /// Size, clock and the container's own count of frames (0 where it has none), without decoding.

@@ -95,6 +95,19 @@ void set_lossless(AVCodecContext& codec, const TestVideo& video) {
   }
 }
 
+void state_colours(AVCodecContext& codec, const TestVideo& video) {
+  if (video.stated == VideoMatrix::kBt601) codec.colorspace = AVCOL_SPC_SMPTE170M;
+  if (video.stated == VideoMatrix::kBt709) codec.colorspace = AVCOL_SPC_BT709;
+  if (video.stated == VideoMatrix::kBt2020) codec.colorspace = AVCOL_SPC_BT2020_NCL;
+  if (video.transfer == VideoTransfer::kBt709) codec.color_trc = AVCOL_TRC_BT709;
+  if (video.transfer == VideoTransfer::kHlg) codec.color_trc = AVCOL_TRC_ARIB_STD_B67;
+  if (video.transfer == VideoTransfer::kPq) codec.color_trc = AVCOL_TRC_SMPTE2084;
+  if (video.transfer == VideoTransfer::kLog) codec.color_trc = AVCOL_TRC_LOG;
+  if (video.primaries == VideoPrimaries::kBt601) codec.color_primaries = AVCOL_PRI_SMPTE170M;
+  if (video.primaries == VideoPrimaries::kBt709) codec.color_primaries = AVCOL_PRI_BT709;
+  if (video.primaries == VideoPrimaries::kBt2020) codec.color_primaries = AVCOL_PRI_BT2020;
+}
+
 AVCodecContext* open_encoder(const TestVideo& video) {
   const AVCodec* encoder = avcodec_find_encoder_by_name(video.encoder.c_str());
   need(encoder != nullptr, video.encoder.c_str());
@@ -106,9 +119,8 @@ AVCodecContext* open_encoder(const TestVideo& video) {
   codec->max_b_frames = video.b_frames;
   codec->gop_size = video.keyframe_distance;
   codec->color_range = video.full_range ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
-  if (video.stated == VideoMatrix::kBt601) codec->colorspace = AVCOL_SPC_SMPTE170M;
-  if (video.stated == VideoMatrix::kBt709) codec->colorspace = AVCOL_SPC_BT709;
-  if (video.stated == VideoMatrix::kBt2020) codec->colorspace = AVCOL_SPC_BT2020_NCL;
+  state_colours(*codec, video);
+  if (video.interlaced) codec->flags |= AV_CODEC_FLAG_INTERLACED_DCT;
   codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   codec->thread_count = 1;
   set_lossless(*codec, video);

@@ -13,6 +13,8 @@
 namespace tessera::testing {
 
 enum class VideoMatrix { kUnstated, kBt601, kBt709, kBt2020 };
+enum class VideoTransfer { kUnstated, kBt709, kHlg, kPq, kLog };
+enum class VideoPrimaries { kUnstated, kBt601, kBt709, kBt2020 };
 enum class VideoChroma { k420, k422, k444 };
 
 struct TestVideo {
@@ -20,7 +22,10 @@ struct TestVideo {
   std::vector<int64_t> ticks;  // presentation times, 1/12800 s; 25 frames/s when empty
   std::string encoder = "libx264";
   VideoMatrix stated = VideoMatrix::kUnstated;
-  VideoMatrix used = VideoMatrix::kBt601;  // what the numbers really are
+  VideoMatrix used = VideoMatrix::kBt601;             // what the numbers really are
+  VideoTransfer transfer = VideoTransfer::kUnstated;  // stated; the numbers are those of `frames`
+  VideoPrimaries primaries = VideoPrimaries::kUnstated;  // likewise
+  bool interlaced = false;                               // libx264
   bool full_range = false;
   VideoChroma chroma = VideoChroma::k420;
   int bits = 8;
