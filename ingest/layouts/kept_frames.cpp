@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "ingest/checks/mixed_colours.h"
 #include "ingest/clocks/frame_rates.h"
 #include "ingest/clocks/frame_window.h"
 #include "ingest/clocks/limiting_cameras.h"
@@ -58,6 +59,13 @@ void warn_of_rates(const RigClips& rig, std::vector<std::string>& warnings) {
   if (!warning.empty()) warnings.push_back(warning);
 }
 
+void warn_of_colours(const RigClips& rig, std::vector<std::string>& warnings) {
+  std::vector<FrameColour> colours;
+  for (const RigClip& clip : rig.clips) colours.push_back(clip.timeline.colour);
+  const std::string warning = mixed_colours(rig.names(), colours);
+  if (!warning.empty()) warnings.push_back(warning);
+}
+
 /// Where no camera limits the clip more than others: what is lost as they do not begin or end
 /// together.
 void warn_of_ends(const RigClips& rig, const std::vector<std::vector<double>>& timesteps,
@@ -88,6 +96,7 @@ void check_clips(const fs::path& capture, const IngestOptions& options, const Ri
   check_start_of_longest(capture, options, rig);
   check_lengths(capture, options, rig);
   warn_of_rates(rig, warnings);
+  warn_of_colours(rig, warnings);
 }
 
 std::vector<std::vector<size_t>> kept_frames(const fs::path& capture, const IngestOptions& options,

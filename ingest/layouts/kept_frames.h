@@ -1,5 +1,5 @@
 // Which frames of the clips of a rig are kept: those of the window that was asked for, within the
-// time that all clips show. Cameras that limit it and cameras of another rate are named.
+// time that all clips show. Cameras that limit it, of another rate and of other colours are named.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace tessera {
 
-/// What the lengths and rates of the clips tell before COLMAP has worked for minutes. Errors:
-/// InputError: --start is after the end of all clips; one camera is less than half as long as the
-/// others, without poses or stated clocks.
+/// What the lengths, rates and colours of the clips tell before COLMAP has worked for minutes.
+/// Errors: InputError: --start is after the end of all clips; one camera is less than half as long
+/// as the others, without poses or stated clocks.
 void check_clips(const std::filesystem::path& capture, const IngestOptions& options,
                  const RigClips& rig, std::vector<std::string>& warnings);
 

@@ -48,6 +48,7 @@ const std::vector<float>& light_table(TransferCurve transfer) {
     case TransferCurve::kPq:
       return kPq;
     case TransferCurve::kSdr:
+    case TransferCurve::kNone:
       break;
   }
   return kSdr;

@@ -2,10 +2,13 @@
 #include "ingest/video/frame_colour.h"
 
 extern "C" {
+#include <libavcodec/codec_par.h>
 #include <libavutil/frame.h>
 #include <libavutil/pixdesc.h>
 #include <libswscale/swscale.h>
 }
+
+#include <fmt/format.h>
 
 namespace tessera {
 namespace {
@@ -49,8 +52,8 @@ bool is_full_range(AVColorRange stated, int pixel_format) {
       break;
   }
   const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(AVPixelFormat(pixel_format));
-  const bool is_rgb_or_grey =
-      (format->flags & AV_PIX_FMT_FLAG_RGB) != 0 || format->nb_components < 3;
+  const bool is_rgb_or_grey = format != nullptr && ((format->flags & AV_PIX_FMT_FLAG_RGB) != 0 ||
+                                                    format->nb_components < 3);
   return is_rgb_or_grey;
 }
 
@@ -60,6 +63,11 @@ TransferCurve transfer_of(AVColorTransferCharacteristic stated) {
       return TransferCurve::kHlg;
     case AVCOL_TRC_SMPTE2084:
       return TransferCurve::kPq;
+    case AVCOL_TRC_LINEAR:
+    case AVCOL_TRC_LOG:
+    case AVCOL_TRC_LOG_SQRT:
+    case AVCOL_TRC_SMPTE428:
+      return TransferCurve::kNone;
     default:
       return TransferCurve::kSdr;
   }
@@ -80,16 +88,70 @@ bool is_interlaced(const AVFrame& frame) {
 #endif
 }
 
+/// What a frame and a track state alike.
+struct StatedColour {
+  AVColorSpace matrix;
+  AVColorRange range;
+  AVColorTransferCharacteristic transfer;
+  AVColorPrimaries primaries;
+  int height, pixel_format;
+};
+
+FrameColour colour_of(const StatedColour& stated, bool interlaced) {
+  FrameColour colour;
+  colour.matrix = matrix_of(stated.matrix, stated.height);
+  colour.full_range = is_full_range(stated.range, stated.pixel_format);
+  colour.transfer = transfer_of(stated.transfer);
+  colour.primaries = primaries_of(stated.primaries, colour.transfer);
+  colour.interlaced = interlaced;
+  if (const char* name = av_color_transfer_name(stated.transfer)) colour.transfer_name = name;
+  if (const char* name = av_color_space_name(stated.matrix)) colour.matrix_name = name;
+  return colour;
+}
+
 }  // namespace
 
 FrameColour colour_of(const AVFrame& frame) {
-  FrameColour colour;
-  colour.matrix = matrix_of(frame.colorspace, frame.height);
-  colour.full_range = is_full_range(frame.color_range, frame.format);
-  colour.transfer = transfer_of(frame.color_trc);
-  colour.primaries = primaries_of(frame.color_primaries, colour.transfer);
-  colour.interlaced = is_interlaced(frame);
-  return colour;
+  return colour_of({frame.colorspace, frame.color_range, frame.color_trc, frame.color_primaries,
+                    frame.height, frame.format},
+                   is_interlaced(frame));
+}
+
+FrameColour colour_of(const AVCodecParameters& track) {
+  const bool progressive =
+      track.field_order == AV_FIELD_UNKNOWN || track.field_order == AV_FIELD_PROGRESSIVE;
+  return colour_of({track.color_space, track.color_range, track.color_trc, track.color_primaries,
+                    track.height, track.format},
+                   !progressive);
+}
+
+std::string colour_refusal(const FrameColour& colour) {
+  if (colour.matrix != FrameColour::kNoMatrix && colour.transfer != TransferCurve::kNone) return "";
+  return fmt::format(
+      "its colours (matrix {}, transfer curve {}) have no conversion to sRGB here; convert them "
+      "with `ffmpeg -i IN -vf zscale=matrix=bt709:transfer=bt709:primaries=bt709:range=limited,"
+      "format=yuv420p -crf 12 OUT`, or export the video as SDR in BT.709",
+      colour.matrix_name, colour.transfer_name);
+}
+
+std::string interlaced_warning(const FrameColour& colour) {
+  if (!colour.interlaced) return "";
+  return "is interlaced: its frames mix the lines of two times, so moving things have combs; "
+         "deinterlace it with `ffmpeg -i IN -vf bwdif -crf 12 OUT`";
+}
+
+std::string colour_name(const FrameColour& colour) {
+  const bool wide = colour.primaries == ColourPrimaries::kBt2020;
+  switch (colour.transfer) {
+    case TransferCurve::kHlg:
+      return wide ? "HLG" : "HLG in BT.709";
+    case TransferCurve::kPq:
+      return wide ? "PQ" : "PQ in BT.709";
+    case TransferCurve::kSdr:
+    case TransferCurve::kNone:
+      break;
+  }
+  return wide ? "SDR in BT.2020" : "SDR";
 }
 
 const char* tone_map_of(const FrameColour& colour) {
@@ -99,6 +161,7 @@ const char* tone_map_of(const FrameColour& colour) {
     case TransferCurve::kPq:
       return "pq to srgb, 203 nits white";
     case TransferCurve::kSdr:
+    case TransferCurve::kNone:
       break;
   }
   return colour.is_srgb() ? "none" : "bt2020 primaries to bt709";

@@ -75,7 +75,7 @@ Image8 FrameToRgb::convert(const AVFrame& frame, const ImageShape& shape) {
   constexpr int kFlags = SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
   constexpr int kUnity = 1 << 16;  // contrast and saturation, 16.16 fixed point
   const FrameColour colour = colour_of(frame);
-  if (colour.matrix == FrameColour::kNoMatrix) return {};
+  if (!colour_refusal(colour).empty()) return {};
   // swscale's SIMD writes planes of 8 bits, twice as fast as RGB24.
   const AVPixelFormat format = colour.is_srgb() ? AV_PIX_FMT_GBRP : AV_PIX_FMT_RGB48;
   const bool lies = shape.quarter_turns % 2 != 0;

@@ -21,7 +21,7 @@ class FrameToRgb {
   FrameToRgb& operator=(const FrameToRgb&) = delete;
 
   /// SDR values are taken as sRGB; HLG, PQ and BT.2020 go through 16 bits and srgb_of. An empty
-  /// image where the pixel format or the colour matrix has no conversion.
+  /// image where the pixel format has no conversion, and where colour_refusal is not empty.
   Image8 convert(const AVFrame& frame, const ImageShape& shape);
 
  private:

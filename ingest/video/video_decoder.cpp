@@ -68,12 +68,13 @@ bool ImageBatch::deliver() {
     for (auto i = size_t(begin); i < size_t(end); ++i) {
       images[i] = converters_[i].convert(*frames_[i], shape_);
       if (images[i].data.empty()) {
+        if (const auto refusal = colour_refusal(colour_of(*frames_[i])); !refusal.empty())
+          throw InputError(fmt::format("{}: {}", name_, refusal));
         const char* format = av_get_pix_fmt_name(AVPixelFormat(frames_[i]->format));
-        const char* matrix = av_color_space_name(frames_[i]->colorspace);
-        throw InputError(fmt::format(
-            "{}: its pixels ({}, matrix {}) have no conversion to RGB here; encode it again with "
-            "`ffmpeg -i IN -pix_fmt yuv420p -colorspace bt709 OUT`",
-            name_, format != nullptr ? format : "unknown", matrix != nullptr ? matrix : "unknown"));
+        throw InputError(
+            fmt::format("{}: its pixels ({}) have no conversion to RGB here; encode it again with "
+                        "`ffmpeg -i IN -pix_fmt yuv420p OUT`",
+                        name_, format != nullptr ? format : "unknown"));
       }
     }
   });

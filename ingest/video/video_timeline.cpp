@@ -76,6 +76,9 @@ VideoTimeline read_timeline(const std::filesystem::path& path) {
   timeline.width = file.width();
   timeline.height = file.height();
   timeline.time_base = file.time_base();
+  timeline.colour = colour_of(*file.track().codecpar);
+  if (const std::string refusal = colour_refusal(timeline.colour); !refusal.empty())
+    throw InputError(fmt::format("{}: {}", file.name(), refusal));
   timeline.has_audio = has_audio(file.format());
   timeline.ticks = shown_ticks(file);
   const std::string& cut = file.cut_reason();
@@ -98,6 +101,8 @@ VideoTimeline read_timeline(const std::filesystem::path& path) {
                                             timeline.seconds(timeline.ticks.size() - 1), cut));
   add(gap_warnings(camera, timeline.ticks, timeline.time_base));
   add(duplicate_warnings(camera, repeated, timeline.time_base));
+  if (const std::string warning = interlaced_warning(timeline.colour); !warning.empty())
+    timeline.warnings.push_back(fmt::format("{} {}", camera, warning));
   return timeline;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ingest/video/frame_colour.h"
 #include "ingest/video/frame_timing.h"
 
 namespace tessera {
@@ -17,14 +18,17 @@ struct VideoTimeline {
   double frame_seconds = 0;     // median distance of two frames; 0 for one frame
   std::optional<double> clock;  // container time of tick 0, seconds since any common origin
                                 // (timecode, creation time); absent where it states none
+  FrameColour colour;           // as the container and the headers state it
   bool has_audio = false;
   bool truncated = false;  // the file ends before what it states; `ticks` are what is there
-  std::vector<std::string> warnings;  // gaps, duplicates, truncation: each with file and seconds
+  std::vector<std::string> warnings;  // each with the file: gaps, duplicates, truncation, with
+                                      // seconds, and interlaced frames
 
   double seconds(size_t frame) const { return time_base.at(ticks[frame]); }
 };
 
-/// Errors: InputError naming the file: no video in it, without presentation times, no frame.
+/// Errors: InputError naming the file: no video in it, without presentation times, no frame,
+/// colours that have no conversion to sRGB (frame_colour.h).
 VideoTimeline read_timeline(const std::filesystem::path& path);
 
 class VideoFile;

@@ -115,5 +115,19 @@ TEST_F(RigOfVideos, APrincipalPointOutsideOfTheImageIsTaken) {
   EXPECT_GT(scene.frames.back().camera.cy, 24);
 }
 
+// Bugs put back, each seen to fail: the colours of the clips not compared; the conversion not
+// recorded.
+TEST_F(RigOfVideos, ACameraOfOtherColoursIsConvertedRecordedAndNamed) {
+  TestVideo hlg = numbered_video(4, 3);
+  hlg.transfer = VideoTransfer::kHlg;
+  write_video(folder_ / "capture/cam03.mp4", hlg);
+  const IngestReport report = ingest();
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_TRUE(report.warnings[0].starts_with("cam03 is HLG, the others SDR: "))
+      << report.warnings[0];
+  const json scene = json::parse(read_bytes(folder_ / "scene/transforms.json"));
+  EXPECT_EQ(scene["tessera"]["applied"]["tone_map"], "hlg to srgb, 203 nits white");
+}
+
 }  // namespace
 }  // namespace tessera

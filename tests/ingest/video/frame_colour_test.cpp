@@ -10,6 +10,7 @@ extern "C" {
 #include "ingest/video/display_light.h"
 #include "ingest/video/video_colour.h"
 #include "ingest/video/video_decoder.h"
+#include "ingest/video/video_timeline.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/ingest/video/test_video.h"
 
@@ -190,6 +191,35 @@ TEST_F(StatedColour, HdrIsConvertedAndRecorded) {
     }
     EXPECT_LT(differing, signals.data.size() / 50) << c.tone_map;
   }
+}
+
+// Before and while frames are decoded. Bugs put back, each seen to fail: logarithmic curves taken
+// for SDR; the timeline read without a look at its colours.
+TEST_F(StatedColour, WhatHasNoConversionIsRefusedWithItsCommand) {
+  const auto expect_refused = [&](const std::string& stated) {
+    const std::vector<std::string> named{"a.mp4", stated, "ffmpeg -i IN -vf zscale=matrix=bt709"};
+    expect_input_error([&] { decoded(); }, named);
+    expect_input_error([&] { read_timeline(folder_ / "a.mp4"); }, named);
+  };
+  video_.transfer = VideoTransfer::kLog;
+  expect_refused("transfer curve log100");
+  video_.transfer = VideoTransfer::kUnstated;
+  video_.stated = VideoMatrix::kBt2020Constant;
+  expect_refused("matrix bt2020c");
+}
+
+// Once a camera, however many frames are so. Bugs put back, each seen to fail: an unknown order of
+// fields taken for interlaced; the flag of the frame not read.
+TEST_F(StatedColour, InterlacedFramesAreWarnedOfOnce) {
+  for (int i = 0; i < 6; ++i) video_.frames.push_back(coded_image(80, 64, i));
+  EXPECT_FALSE(decoded().colour.interlaced);
+  EXPECT_TRUE(read_timeline(folder_ / "a.mp4").warnings.empty());
+  video_.interlaced = true;
+  EXPECT_TRUE(decoded().colour.interlaced);
+  const std::vector<std::string> warnings = read_timeline(folder_ / "a.mp4").warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("camera a is interlaced"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("ffmpeg -i IN -vf bwdif"), std::string::npos) << warnings[0];
 }
 
 }  // namespace

@@ -99,6 +99,7 @@ void state_colours(AVCodecContext& codec, const TestVideo& video) {
   if (video.stated == VideoMatrix::kBt601) codec.colorspace = AVCOL_SPC_SMPTE170M;
   if (video.stated == VideoMatrix::kBt709) codec.colorspace = AVCOL_SPC_BT709;
   if (video.stated == VideoMatrix::kBt2020) codec.colorspace = AVCOL_SPC_BT2020_NCL;
+  if (video.stated == VideoMatrix::kBt2020Constant) codec.colorspace = AVCOL_SPC_BT2020_CL;
   if (video.transfer == VideoTransfer::kBt709) codec.color_trc = AVCOL_TRC_BT709;
   if (video.transfer == VideoTransfer::kHlg) codec.color_trc = AVCOL_TRC_ARIB_STD_B67;
   if (video.transfer == VideoTransfer::kPq) codec.color_trc = AVCOL_TRC_SMPTE2084;

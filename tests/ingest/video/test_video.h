@@ -12,7 +12,7 @@
 
 namespace tessera::testing {
 
-enum class VideoMatrix { kUnstated, kBt601, kBt709, kBt2020 };
+enum class VideoMatrix { kUnstated, kBt601, kBt709, kBt2020, kBt2020Constant };
 enum class VideoTransfer { kUnstated, kBt709, kHlg, kPq, kLog };
 enum class VideoPrimaries { kUnstated, kBt601, kBt709, kBt2020 };
 enum class VideoChroma { k420, k422, k444 };
