@@ -208,8 +208,8 @@ TEST_F(StatedColour, WhatHasNoConversionIsRefusedWithItsCommand) {
   expect_refused("matrix bt2020c");
 }
 
-// Once a camera, however many frames are so. Bugs put back, each seen to fail: an unknown order of
-// fields taken for interlaced; the flag of the frame not read.
+// Once a camera, however many frames are so. Bugs put back, each seen to fail: a progressive order
+// of fields taken for interlaced; the flag of the frame not read.
 TEST_F(StatedColour, InterlacedFramesAreWarnedOfOnce) {
   for (int i = 0; i < 6; ++i) video_.frames.push_back(coded_image(80, 64, i));
   EXPECT_FALSE(decoded().colour.interlaced);
