@@ -97,7 +97,7 @@ struct StatedColour {
   int height, pixel_format;
 };
 
-FrameColour colour_of(const StatedColour& stated, bool interlaced) {
+FrameColour colour_as_stated(const StatedColour& stated, bool interlaced) {
   FrameColour colour;
   colour.matrix = matrix_of(stated.matrix, stated.height);
   colour.full_range = is_full_range(stated.range, stated.pixel_format);
@@ -112,17 +112,17 @@ FrameColour colour_of(const StatedColour& stated, bool interlaced) {
 }  // namespace
 
 FrameColour colour_of(const AVFrame& frame) {
-  return colour_of({frame.colorspace, frame.color_range, frame.color_trc, frame.color_primaries,
-                    frame.height, frame.format},
-                   is_interlaced(frame));
+  return colour_as_stated({frame.colorspace, frame.color_range, frame.color_trc,
+                           frame.color_primaries, frame.height, frame.format},
+                          is_interlaced(frame));
 }
 
 FrameColour colour_of(const AVCodecParameters& track) {
   const bool progressive =
       track.field_order == AV_FIELD_UNKNOWN || track.field_order == AV_FIELD_PROGRESSIVE;
-  return colour_of({track.color_space, track.color_range, track.color_trc, track.color_primaries,
-                    track.height, track.format},
-                   !progressive);
+  return colour_as_stated({track.color_space, track.color_range, track.color_trc,
+                           track.color_primaries, track.height, track.format},
+                          !progressive);
 }
 
 std::string colour_refusal(const FrameColour& colour) {
