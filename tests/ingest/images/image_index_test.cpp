@@ -59,7 +59,7 @@ TEST_F(ImageIndexTest, AnotherExtensionAndAnotherCase) {
   EXPECT_EQ(found("Images/img_1.jpg"), "Images/img_1.png") << "the same case wins";
   EXPECT_EQ(found("Images/Img_1.jpg"), "-") << "two fit";
   EXPECT_EQ(found("two.jpg"), "-");
-  EXPECT_EQ(found("img_9.png"), "-");
+  EXPECT_EQ(found("._IMG_9.png"), "-") << "hidden";
   EXPECT_EQ(found("notes_3.jpg"), "-") << "no image";
   EXPECT_TRUE(says("1 images are found with another extension than stated (Images/img_1.jpg: "));
   EXPECT_TRUE(says("1 images are found in another case than stated (images/img_0.jpg: "));
