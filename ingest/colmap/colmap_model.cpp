@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <map>
@@ -12,7 +11,9 @@
 
 #include "ingest/colmap/colmap_records.h"
 #include "ingest/images/image_paths.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/lower_case.h"
 
 namespace tessera {
 namespace {
@@ -36,14 +37,10 @@ void put_pose(Camera& camera, const ColmapImage& image, const std::string& where
 /// "cameras.txt" or "Cameras.txt", as other programs write it; empty where there is none.
 std::filesystem::path file_of_model(const std::filesystem::path& folder, const std::string& name) {
   if (std::filesystem::is_regular_file(folder / name)) return folder / name;
-  const auto lower = [](std::string text) {
-    for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-  };
   std::error_code unreachable;
   for (const auto& entry : std::filesystem::directory_iterator(folder, unreachable))
     if (entry.is_regular_file(unreachable) &&
-        lower(entry.path().filename().string()) == lower(name))
+        lower_case(entry.path().filename().string()) == lower_case(name))
       return entry.path();
   return {};
 }
@@ -59,15 +56,12 @@ using LeftOut = std::map<std::string, std::vector<std::string>>;  // images by t
 
 /// A line a reason. Errors: InputError: no image of `listed` is left.
 void report_left_out(const LeftOut& left_out, size_t listed, std::vector<std::string>& warnings) {
-  constexpr size_t kNamed = 5;
   size_t images = 0;
   for (const auto& [reason, names] : left_out) {
     images += names.size();
-    const std::vector<std::string> first(names.begin(),
-                                         names.begin() + long(std::min(names.size(), kNamed)));
-    warnings.push_back(fmt::format("{}; {} of {} images {} of this camera and left out: {}{}",
-                                   reason, names.size(), listed, names.size() == 1 ? "is" : "are",
-                                   fmt::join(first, ", "), names.size() > kNamed ? ", …" : ""));
+    warnings.push_back(fmt::format("{}; {} of {} images {} of this camera and left out: {}", reason,
+                                   names.size(), listed, names.size() == 1 ? "is" : "are",
+                                   listed_names(names)));
   }
   if (images == listed) throw InputError(left_out.begin()->first);
 }

@@ -4,19 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "ingest/images/image_paths.h"
+#include "kernels/base/lower_case.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower(std::string text) {
-  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 /// "img_00" of "img_00.JPG": without the extension of an image.
 std::string stem_of(const std::string& name) {
@@ -50,7 +45,7 @@ ImageIndex::Found ImageIndex::find_alike(const fs::path& stated) {
     if (!fs::is_directory(next)) {
       const std::vector<std::string>& names = listing(folder);
       const auto same = [&](const std::string& name) {
-        return lower(name) == lower(part.string());
+        return lower_case(name) == lower_case(part.string());
       };
       if (std::count_if(names.begin(), names.end(), same) != 1) return {};
       next = folder / *std::find_if(names.begin(), names.end(), same);
@@ -61,7 +56,7 @@ ImageIndex::Found ImageIndex::find_alike(const fs::path& stated) {
   const std::string stem = stem_of(stated.filename().string());
   std::vector<std::string> alike, same_case;
   for (const std::string& name : listing(folder)) {
-    if (!is_image_name(name) || lower(stem_of(name)) != lower(stem)) continue;
+    if (!is_image_name(name) || lower_case(stem_of(name)) != lower_case(stem)) continue;
     alike.push_back(name);
     if (stem_of(name) == stem) same_case.push_back(name);
   }
@@ -87,8 +82,6 @@ fs::path ImageIndex::find(const std::string& stated) {
   std::string path = stated;
   std::replace(path.begin(), path.end(), '\\', '/');
   if (const fs::path whole = path; whole.is_absolute() && is_file(whole)) return whole;
-  if (!is_rooted(path) && is_file(folder_ / path)) return folder_ / path;
-  const std::lock_guard lock(mutex_);
   Found found;
   if (is_rooted(path)) {
     fs::path rest = fs::path(path).relative_path();
@@ -108,7 +101,6 @@ fs::path ImageIndex::find(const std::string& stated) {
 }
 
 std::vector<std::string> ImageIndex::lines() const {
-  const std::lock_guard lock(mutex_);
   std::vector<std::string> lines;
   const auto add = [&](const Use& use, const char* what) {
     lines.push_back(

@@ -4,13 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <mutex>
 #include <string>
 #include <vector>
 
 namespace tessera {
 
-/// The images below a folder by stated names. Threads may call find() at once.
+/// The images below a folder by stated names.
 class ImageIndex {
  public:
   explicit ImageIndex(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -42,7 +41,6 @@ class ImageIndex {
   void note(Use& use, const std::string& stated, const std::string& seen);
 
   const std::filesystem::path folder_;
-  mutable std::mutex mutex_;
   std::map<std::filesystem::path, std::vector<std::string>> listings_;  // names, sorted
   std::map<Rule, Use> uses_;
   Use several_;

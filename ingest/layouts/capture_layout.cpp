@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/files/folders.h"
@@ -13,6 +12,7 @@
 #include "ingest/poses/llff_poses.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/lower_case.h"
 
 namespace tessera {
 namespace {
@@ -25,8 +25,7 @@ std::vector<fs::path> videos_in(const fs::path& folder) {
   constexpr std::array<const char*, 5> kExtensions{".mp4", ".mkv", ".mov", ".avi", ".webm"};
   std::vector<fs::path> videos;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    std::string extension = entry.path().extension().string();
-    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = lower_case(entry.path().extension().string());
     const bool is_video =
         std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
     const bool is_hidden = entry.path().filename().string().front() == '.';

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "ingest/files/text_scan.h"
+#include "kernels/base/lower_case.h"
 
 namespace tessera {
 namespace {
@@ -16,12 +17,6 @@ constexpr string_view kSeparators = " ._-", kLetters = "abcdefghijklmnopqrstuvwx
 constexpr std::array<string_view, 10> kCameraWords = {"cam",    "camera", "kinect", "gopro", "view",
                                                       "device", "sensor", "cn",     "hd",    "vga"};
 constexpr std::array<string_view, 5> kFrameWords = {"frame", "image", "img", "f", "t"};
-
-std::string lower_case(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return text;
-}
 
 bool is_number(string_view text, size_t most) {
   return take_number(text, most) && text.empty();

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <map>
 #include <string_view>
 
 #include "ingest/images/image_paths.h"
+#include "kernels/base/lower_case.h"
 
 namespace tessera {
 namespace {
@@ -21,8 +21,7 @@ std::string unread_extension(const fs::path& file) {
   constexpr std::array<std::string_view, 16> kUnread{
       ".heic", ".heif", ".avif", ".jp2", ".dng", ".cr2", ".cr3",  ".nef",
       ".arw",  ".raf",  ".gif",  ".m4v", ".mts", ".mxf", ".insv", ".360"};
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  std::string extension = lower_case(file.extension().string());
   const bool is_unread = std::find(kUnread.begin(), kUnread.end(), extension) != kUnread.end();
   return is_unread ? extension : "";
 }

@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/lower_case.h"
 #include "kernels/math/sort_keys.h"
 #include "recon4d/options/nearest_name.h"
 #include "recon4d/options/option_rows.h"
@@ -33,11 +33,6 @@ double checked(const TrainOption& option, double value) {
     throw InputError(fmt::format("option '{}' is {}, expected {} to {}: {}", option.key, value,
                                  option.low, option.high, option.doc));
   return value;
-}
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return text;
 }
 
 struct Setter {

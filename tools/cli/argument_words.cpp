@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <iterator>
 
+#include "kernels/base/lower_case.h"
 #include "recon4d/options/option_value.h"
 #include "tools/cli/option_reference.h"
 
@@ -53,11 +53,6 @@ bool is_choice(const CLI::Option& option) {
                                       "intrinsics", "cloud",  "split",  "backend"};
   return std::any_of(std::begin(kChoices), std::end(kChoices),
                      [&](const char* name) { return option.check_lname(name); });
-}
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return text;
 }
 
 }  // namespace

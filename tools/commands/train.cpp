@@ -37,6 +37,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::string steps_text(const nlohmann::json& result) {
+  return fmt::format("stopped after {} of {} steps", result["iterations"].get<int64_t>(),
+                     result["total_iterations"].get<int64_t>());
+}
+
 /// The last line of a training that left before its end; "" for one that has ended. `place`: the
 /// run folder that was named, which differs from that of the request for a successor.
 std::string stopped_text(const TrainRequest& request, const fs::path& place,
@@ -49,8 +54,7 @@ std::string stopped_text(const TrainRequest& request, const fs::path& place,
           : fmt::format(
                 "{} keeps its earlier result; repeat the command with --overwrite to resume",
                 place.string());
-  return fmt::format("\nstopped after {} of {} steps; {}", result["iterations"].get<int64_t>(),
-                     result["total_iterations"].get<int64_t>(), how);
+  return fmt::format("\n{}; {}", steps_text(result), how);
 }
 
 /// Completes a move of a successor that was cut off.
@@ -89,9 +93,7 @@ class ViewedTraining {
   nlohmann::json train() {
     nlohmann::json result = train_once();
     while (!result["finished"].get<bool>() && view_ && (by_page_ || is_at_terminal()) &&
-           view_->serve_until_resumed(fmt::format("stopped after {} of {} steps",
-                                                  result["iterations"].get<int64_t>(),
-                                                  result["total_iterations"].get<int64_t>()))) {
+           view_->serve_until_resumed(steps_text(result))) {
       request_.resume = true;
       request_.stop_after.reset();
       request_.more_iterations.reset();

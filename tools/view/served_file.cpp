@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "kernels/base/lower_case.h"
 #include "tools/view/view_request.h"
 
 namespace tessera {

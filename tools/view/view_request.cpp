@@ -8,6 +8,8 @@
 #include <array>
 #include <stdexcept>
 
+#include "kernels/base/lower_case.h"
+
 namespace tessera {
 namespace {
 
@@ -22,13 +24,6 @@ std::string_view host_of(std::string_view authority) {
 }
 
 }  // namespace
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return lower;
-}
 
 std::vector<std::string_view> header_values(const HttpHeaders& headers, std::string_view name) {
   std::vector<std::string_view> values;

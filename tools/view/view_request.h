@@ -31,9 +31,6 @@ struct ViewResponse {
   uint64_t offset = 0, bytes = 0;
 };
 
-/// ASCII letters in lower case.
-std::string lower_case(std::string_view text);
-
 /// The values of all headers of that name, which is compared without regard to case.
 std::vector<std::string_view> header_values(const HttpHeaders& headers, std::string_view name);
 
