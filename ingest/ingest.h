@@ -73,6 +73,8 @@ struct IngestOptions {
   PoseOptions poses;            // videos and photos
   std::filesystem::path work;   // where estimates are kept for the next time; empty: out + ".work"
   bool invert_masks = false;    // black is used, not ignored
+  bool sample = false;          // a few timesteps of videos, images at most 960 pixels wide: enough
+                                // for a diagnosis
   bool check_cameras = false;   // of rigs: warn of turned and of darker cameras
 };
 

@@ -143,9 +143,9 @@ class MovingPoints {
 };
 
 /// Cameras of the training split that share the scene's fullest timestep; 1 for monocular captures.
-int64_t cameras_of_a_timestep(const PreparedScene& scene) {
+int64_t cameras_of_a_timestep(const Capture& scene) {
   std::vector<FrameTime> times;
-  for (const PreparedFrame& prepared : scene.frames)
+  for (const CaptureFrame& prepared : scene.frames)
     times.push_back({prepared.frame.camera_name, prepared.frame.time, prepared.frame.split});
   const std::vector<int64_t> numbers = timestep_numbers(times);
   std::map<int64_t, std::set<std::string>> cameras;  // of each timestep
@@ -158,9 +158,9 @@ int64_t cameras_of_a_timestep(const PreparedScene& scene) {
 
 /// Dense by itself for rigs; photo sets have their COLMAP points, and far too many images a
 /// timestep.
-CloudDensity density(const PreparedScene& scene, const PointCloud& sparse,
-                     const IngestOptions& options) {
-  if (scene.layout == "transforms" && !sparse.still.empty() && options.cloud != CloudDensity::kNone)
+CloudDensity density(const Capture& scene, const IngestOptions& options) {
+  if (scene.layout == "transforms" && !scene.points.still.empty() &&
+      options.cloud != CloudDensity::kNone)
     return CloudDensity::kSparse;
   if (options.cloud) return *options.cloud;
   return scene.layout != "colmap" && cameras_of_a_timestep(scene) >= kFewestCameras
@@ -241,44 +241,37 @@ std::string motion_warning(const RigCloud& cloud) {
       100 * cloud.changing_share);
 }
 
-PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScene& scene,
-                         PointCloud sparse, const IngestOptions& options,
-                         const IngestProgress& progress, IngestReport& report) {
-  switch (density(scene, sparse, options)) {
-    case CloudDensity::kNone:
-      return {};
-    case CloudDensity::kSparse:
-      return sparse;
-    case CloudDensity::kDense:
-      break;
-  }
+void add_initial_cloud(const std::filesystem::path& folder, const IngestOptions& options,
+                       const IngestProgress& progress, Capture& capture) {
+  const CloudDensity wanted = density(capture, options);
+  if (wanted == CloudDensity::kNone) capture.points = {};
+  if (wanted != CloudDensity::kDense) return;
   CloudOptions cloud;
   cloud.points = options.cloud_points;
   cloud.progress = [&](int64_t done) { progress("initial cloud", done, options.cloud_points); };
   cloud.progress(0);
   const RigCloud found = rig_cloud(folder, cloud);
   if (found.points.position.empty())
-    report.warnings.push_back(
+    capture.warnings.push_back(
         fmt::format("no dense cloud: {}; the training starts from {}",
-                    cameras_of_a_timestep(scene) < kFewestCameras
+                    cameras_of_a_timestep(capture) < kFewestCameras
                         ? "no three training cameras show the same timestep"
                         : "the cameras agree on the depth of no pixel, check their poses",
-                    sparse.position.empty() ? "random points" : "the sparse points"));
+                    capture.points.position.empty() ? "random points" : "the sparse points"));
   else
-    report.notes.push_back(summary(found));
+    capture.notes.push_back(summary(found));
   if (const std::string warning = motion_warning(found); !warning.empty())
-    report.warnings.push_back(warning);
+    capture.warnings.push_back(warning);
   progress("initial cloud", options.cloud_points, options.cloud_points);
-  add_points(sparse, found.points);
-  return sparse;
+  add_points(capture.points, found.points);
 }
 
-void warn_of_few_cameras(const PreparedScene& scene, std::vector<std::string>& warnings) {
+void warn_of_few_cameras(Capture& capture) {
   constexpr int64_t kFew = 5;  // of six cameras one is for the test
-  const int64_t cameras = cameras_of_a_timestep(scene);
-  const bool monocular = scene.layout == "transforms" ? cameras < 2 : scene.cameras.size() < 2;
-  if (scene.layout == "colmap" || monocular || cameras >= kFew) return;
-  warnings.push_back(fmt::format(
+  const int64_t cameras = cameras_of_a_timestep(capture);
+  const bool monocular = capture.layout == "transforms" ? cameras < 2 : capture.cameras.size() < 2;
+  if (capture.layout == "colmap" || monocular || cameras >= kFew) return;
+  capture.warnings.push_back(fmt::format(
       "{} training camera{}: new views will be poor; published methods lose 10 to 14 dB "
       "on N3DV with 4 cameras instead of all; {} or more training cameras are advised",
       cameras, cameras == 1 ? "" : "s", kFew));

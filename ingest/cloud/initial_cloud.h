@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <string>
 
+#include "ingest/capture/capture.h"
 #include "ingest/cloud/dense_cloud.h"
 #include "ingest/cloud/point_velocities.h"
 #include "ingest/ingest.h"
-#include "ingest/prepared/prepared_scene.h"
 
 namespace tessera {
 
@@ -36,14 +36,13 @@ std::string summary(const RigCloud& cloud);
 /// A line where much changes and nothing was found that moves; else "".
 std::string motion_warning(const RigCloud& cloud);
 
-/// `sparse` with what options.cloud adds: the rig_cloud() of the scene in `folder`, which holds
-/// transforms.json and the images. A cloud that a prepared scene brought along is dense already and
-/// kept as it is. Notes and warnings of it are added to `report`.
-PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScene& scene,
-                         PointCloud sparse, const IngestOptions& options,
-                         const IngestProgress& progress, IngestReport& report);
+/// Adds to the points of `capture` what options.cloud asks for: the rig_cloud() of the scene in
+/// `folder`, which holds transforms.json and the images. A cloud that a prepared scene brought
+/// along is dense already and kept as it is. Notes and warnings are added.
+void add_initial_cloud(const std::filesystem::path& folder, const IngestOptions& options,
+                       const IngestProgress& progress, Capture& capture);
 
-/// A line on what few cameras cost, or nothing.
-void warn_of_few_cameras(const PreparedScene& scene, std::vector<std::string>& warnings);
+/// Warns of what few cameras cost.
+void warn_of_few_cameras(Capture& capture);
 
 }  // namespace tessera

@@ -39,13 +39,14 @@ std::vector<fs::path> videos_in(const fs::path& folder) {
 const std::vector<LayoutRow>& layout_rows() {
   using enum CaptureLayout;
   // clips, photos, estimates poses, stated world
-  static const std::vector<LayoutRow> rows{{kTransforms, "transforms", false, false, false, true},
-                                           {kN3dv, "n3dv", true, false, true, false},
-                                           {kColmap, "colmap", false, true, false, false},
-                                           {kLlff, "llff", false, true, false, false},
-                                           {kVideos, "videos", true, false, true, false},
-                                           {kSequences, "sequences", true, false, true, false},
-                                           {kPhotos, "photos", false, true, true, false}};
+  static const std::vector<LayoutRow> rows{
+      {kTransforms, "transforms", false, false, false, true, read_transforms_layout},
+      {kN3dv, "n3dv", true, false, true, false, read_clip_layout},
+      {kColmap, "colmap", false, true, false, false, read_colmap_layout},
+      {kLlff, "llff", false, true, false, false, read_llff_layout},
+      {kVideos, "videos", true, false, true, false, read_clip_layout},
+      {kSequences, "sequences", true, false, true, false, read_clip_layout},
+      {kPhotos, "photos", false, true, true, false, read_photo_layout}};
   return rows;
 }
 
@@ -137,6 +138,9 @@ CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
       find_image_sequences(capture).evidence != RigEvidence::kNone)
     image_layout = ImageLayout::kRig;
   const CaptureLayout detected = detect_layout(capture, image_layout);
+  if (options.sample && detected == CaptureLayout::kTransforms &&
+      !find_colmap_model(capture).empty())
+    return CaptureLayout::kColmap;  // the model has the lenses
   if (poses.empty() || detected == CaptureLayout::kSequences) return detected;
   const bool has_videos = !videos_in(capture).empty();
   if (poses == "llff") return CaptureLayout::kLlff;

@@ -7,6 +7,7 @@
 
 #include "ingest/ingest.h"
 #include "ingest/layouts/image_sequences.h"
+#include "ingest/layouts/layout_readers.h"
 
 namespace tessera {
 
@@ -25,6 +26,7 @@ struct LayoutRow {
   bool photos;           // of one scene that stands still
   bool estimates_poses;  // where none are there
   bool stated_world;     // which protocols and other programs rely on
+  LayoutReader* read;
 };
 
 /// One a layout.

@@ -18,7 +18,7 @@ ordered_json rational_json(const Rational& value) {
   return ordered_json::array({value.numerator, value.denominator});
 }
 
-ordered_json frame_json(const PreparedFrame& prepared) {
+ordered_json frame_json(const CaptureFrame& prepared) {
   const Frame& frame = prepared.frame;
   const Camera& camera = frame.camera;
   ordered_json matrix = ordered_json::array();
@@ -53,7 +53,7 @@ ordered_json world_transform_json(const Similarity& transform) {
 }
 
 /// Of each camera whose images were resampled: what was removed. {} where nothing was.
-ordered_json removed_lenses_json(const PreparedCamera& camera) {
+ordered_json removed_lenses_json(const CaptureCamera& camera) {
   ordered_json list = ordered_json::array();
   for (const RemovedLens& removed : camera.removed_lenses) {
     ordered_json row{{"model", removed.model}};
@@ -64,9 +64,9 @@ ordered_json removed_lenses_json(const PreparedCamera& camera) {
 }
 
 /// "OPENCV, RADIAL"; "none" where no lens was removed.
-std::string removed_models(const PreparedScene& scene) {
+std::string removed_models(const Capture& scene) {
   std::set<std::string> models;
-  for (const PreparedCamera& camera : scene.cameras)
+  for (const CaptureCamera& camera : scene.cameras)
     for (const RemovedLens& removed : camera.removed_lenses) models.insert(removed.model);
   std::string joined;
   for (const std::string& model : models) joined += (joined.empty() ? "" : ", ") + model;
@@ -74,16 +74,16 @@ std::string removed_models(const PreparedScene& scene) {
 }
 
 /// Which pixels the source's masks ignored.
-const char* applied_masks(const PreparedScene& scene) {
+const char* applied_masks(const Capture& scene) {
   if (std::all_of(scene.frames.begin(), scene.frames.end(),
-                  [](const PreparedFrame& frame) { return frame.mask_path.empty(); }))
+                  [](const CaptureFrame& frame) { return frame.mask_path.empty(); }))
     return "none";
   return scene.inverted_masks ? "white ignored (inverted)" : "black ignored";
 }
 
-ordered_json tessera_json(const PreparedScene& scene) {
+ordered_json tessera_json(const Capture& scene) {
   ordered_json cameras = ordered_json::array(), sources = ordered_json::object();
-  for (const PreparedCamera& camera : scene.cameras) {
+  for (const CaptureCamera& camera : scene.cameras) {
     cameras.push_back({{"name", camera.name},
                        {"time_base", rational_json(camera.time_base)},
                        {"time_offset", camera.time_offset}});
@@ -119,21 +119,12 @@ ordered_json tessera_json(const PreparedScene& scene) {
 
 }  // namespace
 
-void note_removed_lens(PreparedCamera& camera, const RemovedLens& removed) {
-  const auto known = [&](const RemovedLens& other) {
-    return other.model == removed.model && other.lens == removed.lens;
-  };
-  if (!removed.lens.is_pinhole() &&
-      std::none_of(camera.removed_lenses.begin(), camera.removed_lenses.end(), known))
-    camera.removed_lenses.push_back(removed);
-}
-
-void write_prepared_scene(const std::filesystem::path& folder, const PreparedScene& scene) {
+void write_prepared_scene(const std::filesystem::path& folder, const Capture& scene) {
   ordered_json file{{"camera_model", "PINHOLE"}};
   if (scene.has_points) file["ply_file_path"] = "points.ply";
   file["tessera"] = tessera_json(scene);
   ordered_json frames = ordered_json::array();
-  for (const PreparedFrame& frame : scene.frames) frames.push_back(frame_json(frame));
+  for (const CaptureFrame& frame : scene.frames) frames.push_back(frame_json(frame));
   file["frames"] = std::move(frames);
   write_text_file(folder / "transforms.json", file.dump(1) + "\n");
 }

@@ -1,27 +1,14 @@
-// The clip of one camera of a rig: a video or numbered images, with their times, their pixels and
-// the pose of the camera.
+// Reads the times and the pixels of the clip of one camera.
 #pragma once
-#include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "ingest/images/image_paths.h"
-#include "ingest/poses/lens.h"
+#include "ingest/video/clip.h"
 #include "ingest/video/video_decoder.h"
 #include "ingest/video/video_timeline.h"
 
 namespace tessera {
-
-/// A camera's video or numbered images, with its pose where that is known.
-struct RigClip {
-  std::string name;             // "cam02"
-  std::filesystem::path video;  // of images: their folder, or that and what their names begin with
-  VideoTimeline timeline;
-  std::optional<RigCamera> camera;
-  std::vector<NumberedImage> images{};  // numbers are ticks; empty for a video
-};
 
 /// Of images: number n is shown at n / image_rate; gaps are warned of. Errors: InputError naming
 /// the file: as read_timeline; an image that cannot be read.

@@ -12,6 +12,7 @@ extern "C" {
 #include <algorithm>
 #include <cmath>
 
+#include "ingest/video/frame_colour.h"
 #include "ingest/video/frame_timing.h"
 #include "ingest/video/video_file.h"
 #include "kernels/base/errors.h"

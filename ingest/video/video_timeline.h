@@ -4,28 +4,10 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "ingest/video/frame_colour.h"
-#include "ingest/video/frame_timing.h"
+#include "ingest/video/clip.h"
 
 namespace tessera {
-
-struct VideoTimeline {
-  int width = 0, height = 0;    // of the upright image: a rotation flag is undone
-  Rational time_base;           // seconds a tick
-  std::vector<int64_t> ticks;   // presentation times of the frames that are shown, increasing
-  double frame_seconds = 0;     // median distance of two frames; 0 for one frame
-  std::optional<double> clock;  // container time of tick 0, seconds since any common origin
-                                // (timecode, creation time); absent where it states none
-  FrameColour colour;           // as the container and the headers state it
-  bool has_audio = false;
-  bool truncated = false;  // the file ends before what it states; `ticks` are what is there
-  std::vector<std::string> warnings;  // each with the file: gaps, duplicates, truncation, with
-                                      // seconds, and interlaced frames
-
-  double seconds(size_t frame) const { return time_base.at(ticks[frame]); }
-};
 
 /// Errors: InputError naming the file: no video in it, without presentation times, no frame,
 /// colours that have no conversion to sRGB (frame_colour.h).

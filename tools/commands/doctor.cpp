@@ -5,11 +5,11 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "ingest/checks/thinned_scene.h"
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/cache_folder.h"
 #include "ingest/files/folders.h"
-#include "ingest/layouts/thinned_scene.h"
 #include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
@@ -113,10 +113,11 @@ std::string with_kept_logs(std::string message, const fs::path& temporary,
 }
 
 IngestReport ingest_into(const fs::path& folder, const fs::path& temporary, const fs::path& capture,
-                         const IngestOptions& options) {
+                         IngestOptions options) {
+  options.sample = true;
   ProgressBar bar("doctor");
   try {
-    const IngestReport ingested = ingest_sample(
+    const IngestReport ingested = ingest_capture(
         capture, folder, options, [&](std::string_view what, int64_t done, int64_t total) {
           stop_if_interrupted();
           bar.update(done, total, what);

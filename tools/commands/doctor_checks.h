@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include "ingest/checks/finding.h"
-#include "ingest/layouts/thinned_scene.h"
+#include "ingest/checks/thinned_scene.h"
 
 namespace tessera {
 

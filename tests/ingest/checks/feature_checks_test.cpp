@@ -11,7 +11,8 @@
 #include "ingest/checks/exposure.h"
 #include "ingest/checks/feature_matches.h"
 #include "ingest/checks/sharpness.h"
-#include "ingest/layouts/thinned_scene.h"
+#include "ingest/checks/thinned_scene.h"
+#include "ingest/ingest.h"
 #include "tests/ingest/layouts/textured_rig.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/scratch_folder.h"
@@ -56,7 +57,9 @@ TEST(FeatureChecks, TurnedCameraOfStudioRanksWorst) {
   const std::filesystem::path studio = data_folder("studio");
   if (studio.empty()) GTEST_SKIP() << "no studio data";
   const ScratchFolder folder;
-  ingest_sample(studio, folder / "scene", {}, {});
+  IngestOptions options;
+  options.sample = true;
+  ingest_capture(studio, folder / "scene", options, {});
   Scene scene = thinned_scene(folder / "scene", {}).sample;
   EXPECT_FALSE(has(check_poses(match_stations(scene)).findings, Severity::kError, "poses"));
   turn(scene, "cam05", 1, {1, 0, 0});

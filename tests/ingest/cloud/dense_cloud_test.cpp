@@ -11,6 +11,7 @@
 #include "ingest/cloud/initial_cloud.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
+#include "ingest/prepared/prepared_scene.h"
 #include "kernels/base/parallel.h"
 #include "tests/ingest/cloud/wall_scene.h"
 #include "tests/ingest/layouts/capture_fixture.h"
@@ -117,14 +118,16 @@ TEST(DenseCloud, HeldOutCamerasGiveNoPointsAndNoColours) {
   EXPECT_EQ(marked(cloud), 0);
 }
 
-PreparedScene write_scene(const Scene& scene, const std::filesystem::path& folder) {
-  PreparedScene prepared;
+Capture write_scene(const Scene& scene, const std::filesystem::path& folder) {
+  Capture prepared;
   prepared.layout = "n3dv";
   prepared.background = "opaque";
   for (const Frame& frame : scene.frames) {
     write_png(folder / (frame.name + ".png"), frame.image);
-    prepared.frames.push_back({frame.name + ".png", frame, {}, {}});
-    prepared.frames.back().frame.image = {};
+    CaptureFrame& written = prepared.frames.emplace_back();
+    written.file_path = frame.name + ".png";
+    written.frame = frame;
+    written.frame.image = {};
     if (frame.frame_number == 0) prepared.cameras.push_back({frame.camera_name, {}, 0});
   }
   write_prepared_scene(folder, prepared);
@@ -135,13 +138,12 @@ PreparedScene write_scene(const Scene& scene, const std::filesystem::path& folde
 PointCloud made(const Scene& scene, const IngestOptions& options, PointCloud sparse,
                 std::vector<std::string>& warnings) {
   const TemporaryFolder folder;
-  const PreparedScene prepared = write_scene(scene, folder.path());
-  IngestReport report;
-  PointCloud cloud = initial_cloud(
-      folder.path(), prepared, std::move(sparse), options,
-      [](std::string_view, int64_t, int64_t) {}, report);
-  warnings = std::move(report.warnings);
-  return cloud;
+  Capture capture = write_scene(scene, folder.path());
+  capture.points = std::move(sparse);
+  add_initial_cloud(
+      folder.path(), options, [](std::string_view, int64_t, int64_t) {}, capture);
+  warnings = std::move(capture.warnings);
+  return std::move(capture.points);
 }
 
 // Bugs put back: the thinned load keeps all splits, with the bug of the test above; times of the
@@ -250,8 +252,9 @@ TEST(InitialCloud, WarnsOfFewCameras) {
     const TemporaryFolder folder;
     Scene scene = wall_scene({.cameras = cameras + 1, .size = 8});
     hold_out(scene, {"cam0"});
-    std::vector<std::string> warnings;
-    warn_of_few_cameras(write_scene(scene, folder.path()), warnings);
+    Capture capture = write_scene(scene, folder.path());
+    warn_of_few_cameras(capture);
+    const std::vector<std::string>& warnings = capture.warnings;
     EXPECT_EQ(warnings.size(), cameras < 5 ? 1u : 0u) << cameras;
     for (const std::string& warning : warnings)
       EXPECT_EQ(warning.find(std::to_string(cameras) + " training camera"), 0u) << warning;

@@ -7,10 +7,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "ingest/checks/thinned_scene.h"
 #include "ingest/files/png.h"
 #include "ingest/images/image_source.h"
 #include "ingest/ingest.h"
-#include "ingest/layouts/thinned_scene.h"
 #include "ingest/poses/llff_poses.h"
 #include "ingest/poses/pose_matrix.h"
 #include "tests/ingest/layouts/capture_fixture.h"
@@ -127,9 +127,12 @@ TEST_F(ImageRig, ACameraOfOneImageIsNamedBeforeColmap) {
   ::setenv("TESSERA_COLMAP", "/bin/false", 1);
   const std::vector<std::string> parts{"cam1 limits the clip to 1 of 5 timesteps",
                                        "--cameras cam0,cam2"};
-  expect_input_error([&] { ingest_capture(folder_ / "capture", folder_ / "scene", {}, {}); },
-                     parts);
-  expect_input_error([&] { ingest_sample(folder_ / "capture", folder_ / "scene", {}, {}); }, parts);
+  IngestOptions options;
+  for (const bool sample : {false, true}) {
+    options.sample = sample;
+    expect_input_error([&] { ingest_capture(folder_ / "capture", folder_ / "scene", options, {}); },
+                       parts);
+  }
   ::unsetenv("TESSERA_COLMAP");
 }
 
@@ -150,7 +153,8 @@ TEST_F(ImageRig, RateAndChoiceOfFrames) {
   EXPECT_EQ(scene.frames[8].image.data[0], grey(2, 2));
   EXPECT_EQ(scene.frames[8].split, Split::kTest);
   options.poses.source = folder_ / "cameras.json";
-  const IngestReport sample = ingest_sample(folder_ / "capture", folder_ / "sample", options, {});
+  options.sample = true;
+  const IngestReport sample = ingest_capture(folder_ / "capture", folder_ / "sample", options, {});
   EXPECT_EQ(sample.layout, CaptureLayout::kSequences);
 }
 

@@ -1,6 +1,6 @@
 // Masks of a capture: names, sizes, polarity, lenses, and the prepared scene made from them.
 // Source: failure mode B17.
-#include "ingest/layouts/mask_source.h"
+#include "ingest/steps/mask_source.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -9,11 +9,11 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "ingest/checks/thinned_scene.h"
 #include "ingest/colmap/colmap_records.h"
 #include "ingest/files/npy.h"
 #include "ingest/files/png.h"
 #include "ingest/ingest.h"
-#include "ingest/layouts/thinned_scene.h"
 #include "kernels/base/median.h"
 #include "tests/ingest/colmap/colmap_fixture.h"
 
@@ -208,7 +208,8 @@ TEST(Layouts, DamagedModelNamesThePosesBesideIt) {
   options.poses.source = "llff";
   options.cloud = CloudDensity::kNone;
   EXPECT_EQ(ingest_capture(capture, folder / "scene", options, {}).layout, CaptureLayout::kLlff);
-  EXPECT_EQ(ingest_sample(capture, folder / "sample", options, {}).layout, CaptureLayout::kLlff);
+  options.sample = true;
+  EXPECT_EQ(ingest_capture(capture, folder / "sample", options, {}).layout, CaptureLayout::kLlff);
   std::filesystem::remove(capture / "poses_bounds.npy");
   try {
     ingest_capture(capture, folder / "other", {}, {});

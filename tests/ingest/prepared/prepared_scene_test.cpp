@@ -24,8 +24,8 @@ using namespace tessera::testing;
 using nlohmann::json;
 using tessera::testing::TemporaryFolder;  // and not that of files/folders.h
 
-PreparedScene example_scene() {
-  PreparedScene scene;
+Capture example_scene() {
+  Capture scene;
   scene.layout = "n3dv";
   scene.background = "opaque";
   scene.scale = 0.5;
@@ -35,7 +35,7 @@ PreparedScene example_scene() {
   scene.cameras = {{"cam00", {1, 12288}, 0.0}, {"cam01", {1001, 30000}, 0.125}};
   scene.sources = {{"cam00.mp4", "cbf29ce484222325"}};
   for (int i = 0; i < 4; ++i) {
-    PreparedFrame prepared;
+    CaptureFrame prepared;
     Frame& frame = prepared.frame;
     frame.camera_name = i < 2 ? "cam00" : "cam01";
     frame.name = frame.camera_name + "/0000" + std::to_string(i % 2);
@@ -58,8 +58,8 @@ PreparedScene example_scene() {
 // Bug put back: times of a prepared scene normalised again on loading; seen to fail (0 and 1).
 TEST(PreparedScene, WrittenAndLoadedIsEqual) {
   const TemporaryFolder folder;
-  const PreparedScene written = example_scene();
-  for (const PreparedFrame& frame : written.frames)
+  const Capture written = example_scene();
+  for (const CaptureFrame& frame : written.frames)
     write_png(folder / frame.file_path, patterned_image(8, 6, 3, int(frame.frame.frame_number)));
   const PointCloud points{
       {{1, 2, 3}, {-1, 0.5f, 1e-7f}}, {{{1, 2, 3}}, {{255, 0, 128}}}, {}, {}, {}};
@@ -89,9 +89,9 @@ TEST(PreparedScene, WrittenAndLoadedIsEqual) {
 // scores do not know which timesteps were trained on; the other frames of a moving camera loaded.
 TEST(PreparedScene, PixelsOfASplitOnly) {
   const TemporaryFolder folder;
-  PreparedScene written = example_scene();
+  Capture written = example_scene();
   written.has_points = false;
-  for (const PreparedFrame& frame : written.frames)
+  for (const CaptureFrame& frame : written.frames)
     write_png(folder / frame.file_path, patterned_image(8, 6, 3, int(frame.frame.frame_number)));
   const auto loaded = [&](Split split) {
     write_prepared_scene(folder.path(), written);
@@ -134,9 +134,9 @@ TEST(PreparedScene, ReportsItsOptions) {
 
 TEST(PreparedScene, NewerVersionsAndImpossibleTimesAreRefused) {
   const TemporaryFolder folder;
-  PreparedScene scene = example_scene();
+  Capture scene = example_scene();
   scene.has_points = false;
-  for (const PreparedFrame& frame : scene.frames)
+  for (const CaptureFrame& frame : scene.frames)
     write_png(folder / frame.file_path, patterned_image(8, 6, 3));
   write_prepared_scene(folder.path(), scene);
   const auto with = [&](const std::function<void(json&)>& change, std::vector<std::string> parts) {
@@ -209,7 +209,7 @@ TEST(StagedFolder, RemovesWhatKilledProcessesLeft) {
 TEST(Llff, RoundTripAndBadRows) {
   const TemporaryFolder folder;
   std::vector<LlffPose> poses;
-  for (const PreparedFrame& frame : example_scene().frames) {
+  for (const CaptureFrame& frame : example_scene().frames) {
     Camera camera = frame.frame.camera;
     camera.fl_y = camera.fl_x;
     camera.cx = 4;

@@ -15,7 +15,7 @@ namespace {
 /// A prepared scene without points.ply below `folder`.
 void write_wall(const std::filesystem::path& folder,
                 const WallRig& rig = {.cameras = 4, .size = 40}) {
-  PreparedScene prepared;
+  Capture prepared;
   for (const Frame& frame : wall_scene(rig).frames) {
     write_png(folder / (frame.name + ".png"), frame.image);
     prepared.frames.push_back({frame.name + ".png", frame, {}, {}});

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "ingest/ingest.h"
 #include "ingest/scene.h"
 
 namespace tessera {
@@ -22,11 +21,5 @@ struct ThinnedScene {
 
 /// Errors: as load_scene.
 ThinnedScene thinned_scene(const std::filesystem::path& folder, const Thinning& thinning);
-
-/// Prepares a few frames of a capture, reduced, as the scene `folder`: of videos some timesteps
-/// spread over the range of `options`. Errors: as ingest_capture.
-IngestReport ingest_sample(const std::filesystem::path& capture,
-                           const std::filesystem::path& folder, IngestOptions options,
-                           const IngestProgress& progress);
 
 }  // namespace tessera

@@ -1,15 +1,15 @@
 // Resamples a mask as a grey image and applies a threshold afterwards.
-#include "ingest/layouts/mask_source.h"
+#include "ingest/steps/mask_source.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "ingest/files/png.h"
 #include "ingest/images/alpha_and_mask.h"
 #include "ingest/images/image_source.h"
 #include "ingest/images/resampling.h"
 #include "ingest/poses/intrinsics.h"
+#include "ingest/steps/steps.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -45,7 +45,6 @@ std::filesystem::path find_mask(const IngestOptions& options, const std::filesys
 
 Image8 read_mask(const std::filesystem::path& file, int width, int height,
                  const IngestOptions& options) {
-  if (file.empty()) return {};
   Image8 mask = mask_of_image(read_image(file), file);
   if (mask.width > width && same_shape(mask.width, mask.height, width, height))
     mask = cut_at_half(scale_image(mask, width, height));
@@ -56,7 +55,7 @@ Image8 read_mask(const std::filesystem::path& file, int width, int height,
 
 Image8 undistorted_mask(const Image8& mask, const Camera& camera, const Lens& lens,
                         const Camera& pinhole) {
-  if (mask.data.empty() || lens.is_pinhole()) return mask;
+  if (lens.is_pinhole()) return mask;
   Camera wider = camera;
   wider.width += 2;
   wider.height += 2;
@@ -65,41 +64,39 @@ Image8 undistorted_mask(const Image8& mask, const Camera& camera, const Lens& le
   return cut_at_half(Undistortion(wider, lens, pinhole).apply(with_border(mask)));
 }
 
-std::string write_prepared_mask(const std::filesystem::path& folder, const std::string& name,
-                                const Image8& mask, double scale) {
-  if (mask.data.empty()) return {};
-  const std::string path = "masks/" + name + ".png";
-  write_png(folder / path, cut_at_half(scale_image(mask, scaled_side(mask.width, scale),
-                                                   scaled_side(mask.height, scale))));
-  return path;
+Image8 scaled_mask(const Image8& mask, double scale) {
+  return cut_at_half(
+      scale_image(mask, scaled_side(mask.width, scale), scaled_side(mask.height, scale)));
 }
 
-std::string prepare_camera_mask(const std::filesystem::path& folder, const std::string& camera_name,
-                                const Camera& camera, const Lens& lens, const Camera& pinhole,
-                                const IngestOptions& options) {
-  const Image8 mask =
-      read_mask(find_mask(options, camera_name), camera.width, camera.height, options);
-  return write_prepared_mask(folder, camera_name, undistorted_mask(mask, camera, lens, pinhole),
-                             options.scale);
+Capture find_masks(Capture capture, const StepContext& context) {
+  if (context.options.masks.empty()) return capture;
+  for (CaptureFrame& frame : capture.frames)
+    frame.mask = find_mask(context.options,
+                           frame.image_name.empty() ? frame.frame.camera_name : frame.image_name);
+  return capture;
 }
 
-void check_masks(const PreparedScene& scene, const IngestOptions& options, IngestReport& report) {
+Capture check_masks(Capture capture, const StepContext& context) {
+  const IngestOptions& options = context.options;
   const auto without =
-      std::count_if(scene.frames.begin(), scene.frames.end(),
-                    [](const PreparedFrame& frame) { return frame.mask_path.empty(); });
-  const bool none = size_t(without) == scene.frames.size();
+      std::count_if(capture.frames.begin(), capture.frames.end(),
+                    [](const CaptureFrame& frame) { return frame.mask_path.empty(); });
+  capture.inverted_masks = options.invert_masks;
+  const bool none = size_t(without) == capture.frames.size();
   if (!options.masks.empty() && none)
     throw InputError(fmt::format(
         "{}: has no mask for any of the {} frames; name masks as the images (a.png or a.jpg.png "
         "for a.jpg) or, for videos, as the cameras",
-        options.masks.string(), scene.frames.size()));
+        options.masks.string(), capture.frames.size()));
   if (options.invert_masks && none)
     throw InputError(
         "--invert-masks is given, but there are no masks; pass --masks or leave it out");
   if (!options.masks.empty() && without > 0)
-    report.warnings.push_back(
+    capture.warnings.push_back(
         fmt::format("{}: {} of {} frames have no mask, all their pixels count",
-                    options.masks.string(), without, scene.frames.size()));
+                    options.masks.string(), without, capture.frames.size()));
+  return capture;
 }
 
 }  // namespace tessera

@@ -1,6 +1,6 @@
-// Implements ingest_capture: checks the options, finds the layout, stages the folder and calls the
-// converter.
-#include "ingest/layouts/conversion.h"
+// Implements ingest_capture: checks the options, finds the layout, stages the folder, and takes the
+// capture from step to step.
+#include "ingest/steps/steps.h"
 
 extern "C" {
 #include <libavutil/avutil.h>
@@ -15,14 +15,11 @@ extern "C" {
 #include <vector>
 
 #include "ingest/files/folders.h"
-#include "ingest/files/png.h"
-#include "ingest/images/alpha_and_mask.h"
-#include "ingest/images/resampling.h"
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/layouts/unread_files.h"
 #include "ingest/prepared/transforms_json.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
-#include "kernels/base/parallel.h"
 
 namespace tessera {
 namespace {
@@ -66,6 +63,13 @@ void check_layout_options(const LayoutRow& layout, const IngestOptions& o) {
                                    row.name, layout.name, row.what));
 }
 
+/// A sample need not show motion, and shares of what is seen are known by fewer points.
+void take_sample(IngestOptions& options) {
+  constexpr int64_t kMostPoints = 5000;
+  options.allow_static = true;
+  options.cloud_points = std::min(options.cloud_points, kMostPoints);
+}
+
 /// Numbers of images become seconds by --fps, which is then used up.
 void take_image_rate(IngestOptions& options) {
   if (options.image_rate) return;
@@ -73,29 +77,41 @@ void take_image_rate(IngestOptions& options) {
   options.fps.reset();
 }
 
-Converter* converter_of(CaptureLayout layout) {
-  switch (layout) {
-    case CaptureLayout::kTransforms:
-      return convert_transforms;
-    case CaptureLayout::kN3dv:
-    case CaptureLayout::kVideos:
-    case CaptureLayout::kSequences:
-      return convert_videos;
-    case CaptureLayout::kColmap:
-      return convert_colmap;
-    case CaptureLayout::kLlff:
-      return convert_llff;
-    case CaptureLayout::kPhotos:
-      return convert_bare_photos;
-  }
-  return nullptr;
+Capture name_unread_files(Capture capture, const StepContext&) {
+  const bool has_masks =
+      std::any_of(capture.frames.begin(), capture.frames.end(),
+                  [](const CaptureFrame& frame) { return !frame.mask_path.empty(); });
+  for (std::string& line : unread_files(capture.folder, has_masks))
+    capture.warnings.push_back(std::move(line));
+  return capture;
+}
+
+constexpr Step* kSteps[] = {open_clips,    pose_cameras,      pose_frames, align_clocks,
+                            choose_frames, choose_splits,     set_times,   find_masks,
+                            write_images,  name_unread_files, check_masks, read_points,
+                            finish_scene};
+
+IngestReport report_of(Capture capture, CaptureLayout layout) {
+  IngestReport report;
+  report.layout = layout;
+  report.frames = int64_t(capture.frames.size());
+  report.cameras = int64_t(capture.cameras.size());
+  report.points = int64_t(capture.points.position.size());
+  TestViews test_views;
+  for (const CaptureFrame& frame : capture.frames) test_views.add(frame.frame);
+  report.test_views = test_views.count();
+  report.scored = test_views.text();
+  report.warnings = std::move(capture.warnings);
+  report.notes = std::move(capture.notes);
+  return report;
 }
 
 /// As ingest_capture, but errors of the file system are thrown as std::filesystem_error.
-IngestReport convert_staged(const std::filesystem::path& capture, const std::filesystem::path& out,
-                            IngestOptions options, const IngestProgress& progress) {
+IngestReport ingest_staged(const std::filesystem::path& folder, const std::filesystem::path& out,
+                           IngestOptions options, const IngestProgress& progress) {
   check_options(options);
-  const CaptureLayout layout = layout_of(capture, options);
+  if (options.sample) take_sample(options);
+  const CaptureLayout layout = layout_of(folder, options);
   check_layout_options(row_of(layout), options);
   options.layout = layout;
   if (layout == CaptureLayout::kSequences) take_image_rate(options);
@@ -103,54 +119,19 @@ IngestReport convert_staged(const std::filesystem::path& capture, const std::fil
   StagedFolder staged(out, is_prepared_scene(out));
   const IngestProgress report_progress =
       progress ? progress : [](std::string_view, int64_t, int64_t) {};
-  Converted converted = converter_of(layout)(capture, staged.path(), options, report_progress);
-  const std::vector<PreparedFrame>& frames = converted.scene.frames;
-  const bool has_masks = std::any_of(frames.begin(), frames.end(), [](const PreparedFrame& frame) {
-    return !frame.mask_path.empty();
-  });
-  for (std::string& line : unread_files(capture, has_masks))
-    converted.report.warnings.push_back(std::move(line));
-  finish_scene(converted, layout, staged.path(), options, report_progress);
-  converted.report.layout = layout;
+  const StepContext context{options, staged.path(), report_progress};
+  Capture capture = row_of(layout).read(folder, options);
+  for (Step* step : kSteps) capture = step(std::move(capture), context);
   staged.commit();
-  return converted.report;
+  return report_of(std::move(capture), layout);
 }
 
 }  // namespace
 
-void convert_images(size_t count, const IngestProgress& progress,
-                    const std::function<void(size_t)>& convert) {
-  const size_t chunk = 4 * size_t(thread_count());
-  for (size_t start = 0; start < count; start += chunk) {
-    const size_t size = std::min(chunk, count - start);
-    std::vector<std::string> errors(size);
-    parallel_for(int64_t(size), 1, [&](int64_t begin, int64_t end) {
-      for (auto i = size_t(begin); i < size_t(end); ++i) try {
-          convert(start + i);
-        } catch (const InputError& error) {
-          errors[i] = error.what();
-        }
-    });
-    for (const std::string& error : errors)
-      if (!error.empty()) throw InputError(error);
-    progress("converting images", int64_t(start + size), int64_t(count));
-  }
-}
-
-Camera scaled_camera(const Camera& camera, double scale) {
-  return camera.resized(scaled_side(camera.width, scale), scaled_side(camera.height, scale));
-}
-
-void write_prepared_image(const std::filesystem::path& path, Image8 image, double scale) {
-  image = scale_image(image, scaled_side(image.width, scale), scaled_side(image.height, scale));
-  if (image.channels == 1) image = composite_on(image, {0, 0, 0});  // grey has no alpha: repeated
-  write_png(path, image);
-}
-
 IngestReport ingest_capture(const std::filesystem::path& capture, const std::filesystem::path& out,
                             const IngestOptions& options, const IngestProgress& progress) {
   try {
-    return convert_staged(capture, out, options, progress);
+    return ingest_staged(capture, out, options, progress);
   } catch (const std::filesystem::filesystem_error& error) {  // link loops, folders without access
     throw InputError(fmt::format("{}: cannot be reached ({}); check this path and its permissions",
                                  error.path1().string(), error.code().message()));

@@ -1,5 +1,5 @@
 // Records unreadable images by index, and removes their frames from the scene.
-#include "ingest/layouts/image_intake.h"
+#include "ingest/steps/image_intake.h"
 
 #include <fmt/format.h>
 
@@ -13,19 +13,11 @@
 namespace tessera {
 namespace {
 
-template <class T>
-void erase_where(std::vector<T>& values, const std::vector<std::string>& reasons) {
-  size_t kept = 0;
-  for (size_t i = 0; i < values.size(); ++i)
-    if (i >= reasons.size() || reasons[i].empty()) std::swap(values[kept++], values[i]);
-  values.resize(kept);
-}
-
-void erase_cameras_without_frames(PreparedScene& scene) {
+void erase_cameras_without_frames(Capture& capture) {
   std::set<std::string> used;
-  for (const PreparedFrame& frame : scene.frames) used.insert(frame.frame.camera_name);
-  std::erase_if(scene.cameras,
-                [&](const PreparedCamera& camera) { return !used.contains(camera.name); });
+  for (const CaptureFrame& frame : capture.frames) used.insert(frame.frame.camera_name);
+  std::erase_if(capture.cameras,
+                [&](const CaptureCamera& camera) { return !used.contains(camera.name); });
 }
 
 }  // namespace
@@ -50,42 +42,34 @@ std::optional<Image8> ImageIntake::read(size_t index, const std::filesystem::pat
   }
 }
 
-void ImageIntake::finish(PreparedScene& scene, bool strict,
-                         std::vector<std::string>& warnings) const {
+void ImageIntake::finish(bool strict, Capture& capture) const {
   std::vector<std::string> reasons, doubtful;
+  std::vector<CaptureFrame> kept;
   for (size_t i = 0; i < unreadable_.size(); ++i) {
     if (!unreadable_[i].empty()) reasons.push_back(unreadable_[i]);
-    if (doubtful_[i]) doubtful.push_back(scene.sources[i].name);
+    CaptureFrame& frame = capture.frames[i];
+    if (doubtful_[i]) doubtful.push_back(frame.source.name);
+    if (unreadable_[i].empty()) kept.push_back(std::move(frame));
   }
   if (!reasons.empty() && (strict || reasons.size() == unreadable_.size()))
     throw InputError(fmt::format("{} ({} of {} images cannot be read{})", reasons.front(),
                                  reasons.size(), unreadable_.size(),
                                  strict ? "; without --strict they are left out" : ""));
-  for (const std::string& reason : reasons) warnings.push_back("image left out: " + reason);
+  for (const std::string& reason : reasons) capture.warnings.push_back("image left out: " + reason);
   if (!doubtful.empty())
-    warnings.push_back(fmt::format(
+    capture.warnings.push_back(fmt::format(
         "{} images have an EXIF rotation that their size does not tell from none; they are taken "
         "as stored, as COLMAP takes them: {}",
         doubtful.size(), listed_names(doubtful)));
-  erase_where(scene.frames, unreadable_);
-  erase_where(scene.sources, unreadable_);
-  erase_cameras_without_frames(scene);
-  if (std::none_of(scene.frames.begin(), scene.frames.end(),
-                   [](const PreparedFrame& frame) { return frame.frame.split == Split::kTrain; }))
+  capture.frames = std::move(kept);
+  erase_cameras_without_frames(capture);
+  if (std::none_of(capture.frames.begin(), capture.frames.end(),
+                   [](const CaptureFrame& frame) { return frame.frame.split == Split::kTrain; }))
     throw InputError(fmt::format(
         "{} (no image of the split 'train' is left; restore some of them, or hold fewer out)",
         reasons.empty() ? "all images are held out" : reasons.front()));
-  scene.background = had_alpha_ ? "alpha kept" : "opaque";
-  if (tone_mapped_) scene.tone_map = kToneMap;
-}
-
-void note_missing(const std::filesystem::path& folder, const std::vector<std::string>& missing,
-                  const std::string& owner, bool strict, std::vector<std::string>& warnings) {
-  if (missing.empty()) return;
-  const std::string seen = fmt::format("{}: {} photos of {} are missing: {}", folder.string(),
-                                       missing.size(), owner, listed_names(missing));
-  if (strict) throw InputError(seen + "; restore them, or leave --strict out to go on without");
-  warnings.push_back(seen);
+  if (had_alpha_) capture.background = "alpha kept";
+  if (tone_mapped_) capture.tone_map = kToneMap;
 }
 
 }  // namespace tessera

@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "ingest/capture/capture.h"
 #include "ingest/images/image_source.h"
-#include "ingest/ingest.h"
-#include "ingest/prepared/prepared_scene.h"
 
 namespace tessera {
 
@@ -23,20 +22,15 @@ class ImageIntake {
   std::optional<Image8> read(size_t index, const std::filesystem::path& file, int width,
                              int height);
 
-  /// Takes what was not read out of `scene`, whose frames and first sources are in the order of
-  /// `index`, notes tone mapping and alpha in it, and adds a warning for each image left out.
-  /// Errors: InputError: an image was left out and `strict`; none is left, or none to train on.
-  void finish(PreparedScene& scene, bool strict, std::vector<std::string>& warnings) const;
+  /// Takes what was not read out of `capture`, whose frames are in the order of `index`, notes tone
+  /// mapping and alpha in it, and adds a warning for each image left out. Errors: InputError: an
+  /// image was left out and `strict`; none is left, or none to train on.
+  void finish(bool strict, Capture& capture) const;
 
  private:
   std::vector<std::string> unreadable_;  // why; empty where it was read
   std::vector<char> doubtful_;           // its EXIF orientation may belong to the pose or not
   std::atomic<bool> tone_mapped_{false}, had_alpha_{false};
 };
-
-/// One warning that lists `missing`, which `owner` ("the COLMAP model") names. Errors: InputError
-/// with the same text under `strict`.
-void note_missing(const std::filesystem::path& folder, const std::vector<std::string>& missing,
-                  const std::string& owner, bool strict, std::vector<std::string>& warnings);
 
 }  // namespace tessera

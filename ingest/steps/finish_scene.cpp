@@ -1,31 +1,30 @@
-// The last steps of every conversion, after the images are written: masks, world normalisation,
-// exposure, the initial cloud and the description of the scene.
-
+// The last step, after the images are written: world normalisation, exposure, the initial cloud and
+// the description of the scene.
 #include <fmt/format.h>
 
 #include <map>
 
 #include "ingest/checks/camera_warnings.h"
 #include "ingest/checks/exposure.h"
+#include "ingest/checks/thinned_scene.h"
 #include "ingest/cloud/initial_cloud.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/layouts/conversion.h"
-#include "ingest/layouts/mask_source.h"
-#include "ingest/layouts/thinned_scene.h"
 #include "ingest/poses/world_normalisation.h"
-#include "ingest/test_views.h"
+#include "ingest/prepared/prepared_scene.h"
+#include "ingest/steps/prepared_image.h"
+#include "ingest/steps/steps.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
 
 /// The training cameras, with a static camera once.
-std::vector<Camera> training_poses(const PreparedScene& scene) {
+std::vector<Camera> training_poses(const Capture& scene) {
   std::vector<Camera> poses;
   std::map<std::string, Camera> last;  // by camera name
-  for (const PreparedFrame& prepared : scene.frames) {
+  for (const CaptureFrame& prepared : scene.frames) {
     const Frame& frame = prepared.frame;
     if (frame.split != Split::kTrain) continue;
     const auto [at, is_new] = last.try_emplace(frame.camera_name, frame.camera);
@@ -37,17 +36,16 @@ std::vector<Camera> training_poses(const PreparedScene& scene) {
 }
 
 /// Poses and points to the normalised world, if there is a training camera.
-void normalise_world(Converted& converted) {
-  PreparedScene& scene = converted.scene;
-  const std::vector<Camera> poses = training_poses(scene);
+void normalise_world(Capture& capture) {
+  const std::vector<Camera> poses = training_poses(capture);
   if (poses.empty()) return;
-  const Similarity change = normalised_from_source(poses, converted.points);
-  for (PreparedFrame& prepared : scene.frames)
+  const Similarity change = normalised_from_source(poses, capture.points);
+  for (CaptureFrame& prepared : capture.frames)
     prepared.frame.camera = camera_in_world(change, prepared.frame.camera);
-  for (glm::vec3& point : converted.points.position) point = glm::vec3(change(glm::dvec3(point)));
-  for (glm::vec3& velocity : converted.points.velocity)
+  for (glm::vec3& point : capture.points.position) point = glm::vec3(change(glm::dvec3(point)));
+  for (glm::vec3& velocity : capture.points.velocity)
     velocity = glm::vec3(change.scale * (change.rotation * glm::dvec3(velocity)));
-  scene.prepared_from_source = compose(change, scene.prepared_from_source);
+  capture.prepared_from_source = compose(change, capture.prepared_from_source);
 }
 
 using Gains = std::map<std::string, std::array<double, 3>>;  // by camera
@@ -71,17 +69,17 @@ Gains gains_of(const Scene& sample) {
 /// `folder` holds the scene as written. Rewrites the images of training cameras and records the
 /// gains in `scene` (1 for held-out cameras). Errors: InputError: fewer than two training cameras,
 /// or one with several poses.
-void even_exposure(const std::filesystem::path& folder, PreparedScene& scene,
+void even_exposure(const std::filesystem::path& folder, Capture& scene,
                    const IngestProgress& progress) {
   Thinning thinning;
   thinning.stations = int(scene.frames.size());  // all
   const Gains gains = gains_of(thinned_scene(folder, thinning).sample);
-  for (PreparedCamera& camera : scene.cameras) {
+  for (CaptureCamera& camera : scene.cameras) {
     const auto found = gains.find(camera.name);
     camera.exposure_gain = found == gains.end() ? std::array<double, 3>{1, 1, 1} : found->second;
   }
   convert_images(scene.frames.size(), progress, [&](size_t i) {
-    const PreparedFrame& prepared = scene.frames[i];
+    const CaptureFrame& prepared = scene.frames[i];
     const auto found = gains.find(prepared.frame.camera_name);
     if (prepared.frame.split != Split::kTrain || found == gains.end()) return;
     Image8 image = read_png(folder / prepared.file_path);
@@ -100,28 +98,21 @@ void warn_of_odd_cameras(const std::filesystem::path& folder, std::vector<std::s
 
 }  // namespace
 
-void finish_scene(Converted& converted, CaptureLayout layout, const std::filesystem::path& folder,
-                  const IngestOptions& options, const IngestProgress& progress) {
-  PreparedScene& scene = converted.scene;
-  IngestReport& report = converted.report;
-  check_masks(scene, options, report);
-  scene.inverted_masks = options.invert_masks;
-  if (!options.keep_world && !row_of(layout).stated_world) normalise_world(converted);
-  write_prepared_scene(folder, scene);  // read by the next two steps
-  if (options.fit_exposure) even_exposure(folder, scene, progress);
-  converted.points =
-      initial_cloud(folder, scene, std::move(converted.points), options, progress, report);
-  warn_of_few_cameras(scene, report.warnings);
-  report.points = int64_t(converted.points.position.size());
-  TestViews test_views;
-  for (const PreparedFrame& prepared : scene.frames) test_views.add(prepared.frame);
-  report.test_views = test_views.count();
-  report.scored = test_views.text();
-  scene.has_points = report.points > 0;
-  if (scene.has_points) write_points(folder / "points.ply", converted.points);
-  write_prepared_scene(folder, scene);
-  if (options.check_cameras && report.cameras > 1 && row_of(layout).clips)
-    warn_of_odd_cameras(folder, report.warnings);
+Capture finish_scene(Capture capture, const StepContext& context) {
+  const IngestOptions& options = context.options;
+  const std::filesystem::path& folder = context.folder;
+  const LayoutRow& layout = row_of(*options.layout);
+  if (!options.keep_world && !layout.stated_world) normalise_world(capture);
+  write_prepared_scene(folder, capture);  // read by the next two
+  if (options.fit_exposure) even_exposure(folder, capture, context.progress);
+  add_initial_cloud(folder, options, context.progress, capture);
+  warn_of_few_cameras(capture);
+  capture.has_points = !capture.points.position.empty();
+  if (capture.has_points) write_points(folder / "points.ply", capture.points);
+  write_prepared_scene(folder, capture);
+  if (options.check_cameras && capture.cameras.size() > 1 && layout.clips)
+    warn_of_odd_cameras(folder, capture.warnings);
+  return capture;
 }
 
 }  // namespace tessera

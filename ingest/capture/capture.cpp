@@ -1,0 +1,50 @@
+// Keeps the lists of a capture of equal lengths, and its lenses and missing images named once.
+#include "ingest/capture/capture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ingest/test_views.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+
+std::vector<std::string> clip_names(const Capture& capture) {
+  std::vector<std::string> names;
+  for (const RigClip& clip : capture.clips) names.push_back(clip.name);
+  return names;
+}
+
+void keep_clips(Capture& capture, const std::vector<char>& keep) {
+  check(keep.size() == capture.clips.size(), "keep_clips: one entry a clip");
+  std::vector<RigClip> clips;
+  std::vector<char> held_out;
+  for (size_t i = 0; i < keep.size(); ++i) {
+    if (!keep[i]) continue;
+    clips.push_back(std::move(capture.clips[i]));
+    if (!capture.held_out.empty()) held_out.push_back(capture.held_out[i]);
+  }
+  capture.clips = std::move(clips);
+  capture.held_out = std::move(held_out);
+}
+
+void note_removed_lens(CaptureCamera& camera, const RemovedLens& removed) {
+  const auto known = [&](const RemovedLens& other) {
+    return other.model == removed.model && other.lens == removed.lens;
+  };
+  if (!removed.lens.is_pinhole() &&
+      std::none_of(camera.removed_lenses.begin(), camera.removed_lenses.end(), known))
+    camera.removed_lenses.push_back(removed);
+}
+
+void note_missing(const std::filesystem::path& folder, const std::vector<std::string>& missing,
+                  const std::string& owner, bool strict, std::vector<std::string>& warnings) {
+  if (missing.empty()) return;
+  const std::string seen = fmt::format("{}: {} photos of {} are missing: {}", folder.string(),
+                                       missing.size(), owner, listed_names(missing));
+  if (strict) throw InputError(seen + "; restore them, or leave --strict out to go on without");
+  warnings.push_back(seen);
+}
+
+}  // namespace tessera

@@ -1,0 +1,57 @@
+// Reads videos or sequences of images, one a camera, as clips; they are opened later.
+#include <fmt/format.h>
+
+#include <map>
+
+#include "ingest/layouts/capture_layout.h"
+#include "ingest/layouts/layout_readers.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+std::vector<RigClip> video_clips(const std::filesystem::path& folder) {
+  std::map<std::string, std::filesystem::path> videos;
+  for (const std::filesystem::path& video : videos_in(folder)) {
+    const auto [first, is_new] = videos.emplace(video.stem().string(), video);
+    if (!is_new)
+      throw InputError(
+          fmt::format("{}: has the camera '{}' twice, as {} and {}; rename or remove one of them",
+                      folder.string(), first->first, first->second.filename().string(),
+                      video.filename().string()));
+  }
+  if (videos.empty())
+    throw InputError(
+        fmt::format("{}: has no videos; put one file per camera there", folder.string()));
+  std::vector<RigClip> clips;
+  for (const auto& [name, video] : videos) clips.push_back({name, video, {}, {}});
+  return clips;
+}
+
+/// Numbered images of several cameras, or of one that moves.
+std::vector<RigClip> image_clips(const std::filesystem::path& folder,
+                                 std::optional<ImageLayout> image_layout) {
+  std::vector<RigClip> clips;
+  for (ImageSequence& sequence : sequences_of(folder, image_layout))
+    clips.push_back({sequence.camera, sequence.path, {}, {}, std::move(sequence.images)});
+  return clips;
+}
+
+}  // namespace
+
+Capture read_clip_layout(const std::filesystem::path& folder, const IngestOptions& options) {
+  const bool of_images = options.layout == CaptureLayout::kSequences;
+  Capture capture;
+  capture.folder = folder;
+  capture.layout = of_images ? "sequences" : "videos";
+  capture.clips = of_images ? image_clips(folder, options.image_layout) : video_clips(folder);
+  capture.posed = false;
+  capture.is_timed = true;
+  capture.times_from = folder;
+  if (of_images)
+    capture.notes.push_back(fmt::format("{}: {}", folder.string(),
+                                        reading_text(capture.clips.size(), *options.image_rate)));
+  return capture;
+}
+
+}  // namespace tessera

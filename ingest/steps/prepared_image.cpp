@@ -1,0 +1,61 @@
+// The places of pixels are computed once a camera.
+#include "ingest/steps/prepared_image.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "ingest/files/png.h"
+#include "ingest/images/alpha_and_mask.h"
+#include "ingest/steps/mask_source.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+
+void convert_images(size_t count, const IngestProgress& progress,
+                    const std::function<void(size_t)>& convert) {
+  const size_t chunk = 4 * size_t(thread_count());
+  for (size_t start = 0; start < count; start += chunk) {
+    const size_t size = std::min(chunk, count - start);
+    std::vector<std::string> errors(size);
+    parallel_for(int64_t(size), 1, [&](int64_t begin, int64_t end) {
+      for (auto i = size_t(begin); i < size_t(end); ++i) try {
+          convert(start + i);
+        } catch (const InputError& error) {
+          errors[i] = error.what();
+        }
+    });
+    for (const std::string& error : errors)
+      if (!error.empty()) throw InputError(error);
+    progress("converting images", int64_t(start + size), int64_t(count));
+  }
+}
+
+void write_prepared_image(const std::filesystem::path& path, Image8 image, double scale) {
+  image = scale_image(image, scaled_side(image.width, scale), scaled_side(image.height, scale));
+  if (image.channels == 1) image = composite_on(image, {0, 0, 0});  // grey has no alpha: repeated
+  write_png(path, image);
+}
+
+ImagePreparation::ImagePreparation(const Camera& camera, const Lens& lens, const std::string& where,
+                                   double scale)
+    : stored_(camera), pinhole_(camera), lens_(lens), scale_(scale) {
+  if (lens.is_pinhole()) return;
+  pinhole_ = undistorted_camera(camera, lens, where);
+  undistortion_.emplace(camera, lens, pinhole_);
+}
+
+Camera ImagePreparation::camera() const {
+  return pinhole_.resized(scaled_side(pinhole_.width, scale_),
+                          scaled_side(pinhole_.height, scale_));
+}
+
+void ImagePreparation::write_image(const std::filesystem::path& path, Image8 image) const {
+  if (undistortion_) image = undistortion_->apply(image);
+  write_prepared_image(path, std::move(image), scale_);
+}
+
+void ImagePreparation::write_mask(const std::filesystem::path& path, const Image8& mask) const {
+  write_png(path, scaled_mask(undistorted_mask(mask, stored_, lens_, pinhole_), scale_));
+}
+
+}  // namespace tessera

@@ -1,0 +1,44 @@
+// Makes the images and masks of a prepared scene from those of a capture: without lens distortion,
+// scaled, as PNG.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "ingest/images/resampling.h"
+#include "ingest/ingest.h"
+#include "ingest/poses/lens.h"
+#include "ingest/scene.h"
+
+namespace tessera {
+
+/// Calls `convert` for each image, in parallel, chunk by chunk, so that progress comes from the
+/// calling thread and can stop the conversion. Errors: the InputError of the first image.
+void convert_images(size_t count, const IngestProgress& progress,
+                    const std::function<void(size_t)>& convert);
+
+/// Scales `image` and writes it as an RGB or RGBA PNG (grey becomes RGB).
+void write_prepared_image(const std::filesystem::path& path, Image8 image, double scale);
+
+/// What becomes of the images of one camera. Threads may call it at once.
+class ImagePreparation {
+ public:
+  /// `camera`: of the images as stored. Errors: InputError that starts with `where`: the lens has
+  /// no undistorted image.
+  ImagePreparation(const Camera& camera, const Lens& lens, const std::string& where, double scale);
+
+  /// Of the written images.
+  Camera camera() const;
+  void write_image(const std::filesystem::path& path, Image8 image) const;
+  /// A mask of the size of the stored images; what lies beyond them is ignored.
+  void write_mask(const std::filesystem::path& path, const Image8& mask) const;
+
+ private:
+  Camera stored_, pinhole_;
+  Lens lens_;
+  double scale_;
+  std::optional<Undistortion> undistortion_;  // of a lens
+};
+
+}  // namespace tessera

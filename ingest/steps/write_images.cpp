@@ -1,0 +1,170 @@
+// Image files are read and written on all threads; clips are decoded on the calling thread, one
+// after another, and their images are written on all threads while the decoder waits.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "ingest/files/fnv1a.h"
+#include "ingest/steps/image_intake.h"
+#include "ingest/steps/mask_source.h"
+#include "ingest/steps/prepared_image.h"
+#include "ingest/steps/sample.h"
+#include "ingest/steps/steps.h"
+#include "ingest/video/clip_frames.h"
+#include "ingest/video/frame_colour.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+namespace {
+
+/// The camera of an image of this size. Errors: InputError: the view is of another shape.
+Camera camera_of_view(const CaptureFrame& frame, const StatedView& view, const Image8& image) {
+  Camera camera = frame.frame.camera;
+  if (view.intrinsics) {
+    set_intrinsics(camera, *view.intrinsics, image.width, image.height, view.where);
+    return camera;
+  }
+  if (!same_shape(camera.width, camera.height, image.width, image.height))
+    throw InputError(fmt::format(
+        "{}: is {}x{}, its pose was made for {}x{}; use the photos that the poses were made of "
+        "(not turned), or reduced copies of the same shape",
+        frame.image.string(), image.width, image.height, camera.width, camera.height));
+  return camera.resized(image.width, image.height);
+}
+
+void write_image_file(const StatedView& view, Image8 image, const StepContext& context,
+                      double scale, CaptureFrame& frame) {
+  const Camera camera = camera_of_view(frame, view, image);
+  const ImagePreparation preparation(camera, view.lens,
+                                     fmt::format("{} ({})", view.where, view.lens_model), scale);
+  if (!frame.mask.empty()) {
+    frame.mask_path = "masks/" + frame.frame.name + ".png";
+    preparation.write_mask(context.folder / frame.mask_path,
+                           read_mask(frame.mask, camera.width, camera.height, context.options));
+  }
+  preparation.write_image(context.folder / frame.file_path, std::move(image));
+  frame.frame.camera = preparation.camera();
+}
+
+/// Files that cannot be read are left out, with their cameras.
+void write_image_files(const StepContext& context, Capture& capture) {
+  ImageIntake intake(capture.frames.size());
+  convert_images(capture.frames.size(), context.progress, [&](size_t i) {
+    CaptureFrame& frame = capture.frames[i];
+    const StatedView& view = capture.views[size_t(frame.view)];
+    const int width = view.intrinsics ? view.intrinsics->w.value_or(0) : frame.frame.camera.width;
+    const int height = view.intrinsics ? view.intrinsics->h.value_or(0) : frame.frame.camera.height;
+    std::optional<Image8> image = intake.read(i, frame.image, width, height);
+    if (!image) return;
+    write_image_file(view, std::move(*image), context, capture.scale, frame);
+    if (!frame.source.name.empty()) frame.source.hash = source_hash(frame.image);
+  });
+  intake.finish(context.options.strict, capture);
+  for (const CaptureFrame& frame : capture.frames)
+    if (!frame.source.name.empty()) capture.sources.push_back(frame.source);
+}
+
+/// The images of one clip, as many in memory as two a thread.
+class ClipWriter {
+ public:
+  ClipWriter(const std::filesystem::path& folder, const ImagePreparation& preparation)
+      : folder_(folder), preparation_(preparation) {}
+
+  void add(const std::string& file, Image8 image) {
+    waiting_.emplace_back(file, std::move(image));
+    if (int(waiting_.size()) >= 2 * thread_count()) write();
+  }
+  void write() {
+    parallel_for(int64_t(waiting_.size()), 1, [&](int64_t begin, int64_t end) {
+      for (auto i = size_t(begin); i < size_t(end); ++i)
+        preparation_.write_image(folder_ / waiting_[i].first, std::move(waiting_[i].second));
+    });
+    waiting_.clear();
+  }
+
+ private:
+  const std::filesystem::path& folder_;
+  const ImagePreparation& preparation_;
+  std::vector<std::pair<std::string, Image8>> waiting_;  // file below the folder
+};
+
+/// Each mask file once; one of all frames is called as the camera.
+void write_clip_masks(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
+                      const ImagePreparation& preparation, const StepContext& context) {
+  const bool is_shared = std::all_of(frames.begin(), frames.end(), [&](const CaptureFrame* frame) {
+    return frame->mask == frames.front()->mask;
+  });
+  std::map<std::filesystem::path, std::string> written;
+  for (CaptureFrame* frame : frames) {
+    if (frame->mask.empty()) continue;
+    const auto [file, is_new] = written.try_emplace(
+        frame->mask, fmt::format("masks/{}.png", is_shared ? clip.name : frame->frame.name));
+    frame->mask_path = file->second;
+    if (is_new)
+      preparation.write_mask(
+          context.folder / file->second,
+          read_mask(frame->mask, clip.timeline.width, clip.timeline.height, context.options));
+  }
+}
+
+/// Adds the conversion of a clip to those of others, each once.
+void record_tone_map(const std::string& of_clip, Capture& capture) {
+  if (of_clip == "none" || capture.tone_map.find(of_clip) != std::string::npos) return;
+  capture.tone_map = capture.tone_map == "none" ? of_clip : capture.tone_map + "; " + of_clip;
+}
+
+void write_clip(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
+                const StepContext& context, Capture& capture, int64_t& done) {
+  const RigCamera& stored = *clip.camera;
+  const ImagePreparation preparation(stored.camera, stored.lens,
+                                     clip.video.string() + " (" + stored.lens_model + ")",
+                                     capture.scale);
+  ClipWriter writer(context.folder, preparation);
+  const std::string doing = "decoding " + clip.video.filename().string();
+  std::vector<int64_t> ticks;
+  for (const CaptureFrame* frame : frames) ticks.push_back(*frame->ticks);
+  size_t next = 0;
+  std::string tone_map = "none";
+  decode_clip(clip, ticks, [&](VideoFrame decoded) {
+    tone_map = tone_map_of(decoded.colour);
+    if (decoded.image.channels == 4) capture.background = "alpha kept";
+    writer.add(frames[next++]->file_path, std::move(decoded.image));
+    context.progress(doing, ++done, int64_t(capture.frames.size()));
+    return true;
+  });
+  writer.write();
+  write_clip_masks(clip, frames, preparation, context);
+  for (CaptureFrame* frame : frames) frame->frame.camera = preparation.camera();
+  record_tone_map(tone_map, capture);
+}
+
+void write_clips(const StepContext& context, Capture& capture) {
+  int64_t done = 0;
+  for (const RigClip& clip : capture.clips) {
+    std::vector<CaptureFrame*> frames;
+    for (CaptureFrame& frame : capture.frames)
+      if (frame.frame.camera_name == clip.name) frames.push_back(&frame);
+    write_clip(clip, frames, context, capture, done);
+  }
+}
+
+}  // namespace
+
+Capture write_images(Capture capture, const StepContext& context) {
+  capture.scale = scale_of(capture, context.options);
+  if (capture.frames.front().view < 0)
+    write_clips(context, capture);
+  else
+    write_image_files(context, capture);
+  for (const RigClip& clip : capture.clips)
+    capture.sources.push_back({clip.video.filename().string(), clip_hash(clip)});
+  for (const auto& [name, file] : capture.files)
+    capture.sources.push_back({name, source_hash(file)});
+  if (!capture.clips.empty() && capture.frames.front().view >= 0)
+    std::filesystem::remove_all(capture.photos);  // frames of a moving camera
+  return capture;
+}
+
+}  // namespace tessera

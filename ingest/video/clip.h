@@ -1,0 +1,71 @@
+// The clip of one camera: a video or numbered images, with the times and colours of its frames and,
+// where it is known, the pose of the camera. Reading one needs the media libraries; this does not.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/images/image_paths.h"
+#include "ingest/poses/lens.h"
+#include "ingest/video/frame_timing.h"
+
+namespace tessera {
+
+/// How code values stand for light. ITU-R BT.2100 (HLG, PQ).
+enum class TransferCurve {
+  kSdr,  // BT.709, BT.601, sRGB, BT.2020 and what is unstated; values are taken as sRGB
+  kHlg,  // ARIB STD-B67
+  kPq,   // SMPTE ST 2084
+  kNone  // linear, logarithmic, DCDM: has no conversion to sRGB here
+};
+
+enum class ColourPrimaries {
+  kBt709,  // also SMPTE 170M, BT.470BG and whatever else differs little from BT.709, and unstated
+  kBt2020  // of HLG and PQ where none are stated
+};
+
+struct FrameColour {
+  int matrix = 0;           // swscale's SWS_CS_…; kNoMatrix where it has no conversion to RGB
+  bool full_range = false;  // black and white are the least and the greatest code
+  TransferCurve transfer = TransferCurve::kSdr;
+  ColourPrimaries primaries = ColourPrimaries::kBt709;
+  bool interlaced = false;                // the lines of two times alternate
+  const char* transfer_name = "unknown";  // as FFmpeg names what is stated
+  const char* matrix_name = "unknown";
+
+  static constexpr int kNoMatrix = -1;
+  /// Its values are sRGB with BT.709 primaries as they are.
+  bool is_srgb() const {
+    return transfer == TransferCurve::kSdr && primaries == ColourPrimaries::kBt709;
+  }
+};
+
+/// The presentation times of the frames, and the defects of their clock.
+struct VideoTimeline {
+  int width = 0, height = 0;    // of the upright image: a rotation flag is undone
+  Rational time_base;           // seconds a tick
+  std::vector<int64_t> ticks;   // presentation times of the frames that are shown, increasing
+  double frame_seconds = 0;     // median distance of two frames; 0 for one frame
+  std::optional<double> clock;  // container time of tick 0, seconds since any common origin
+                                // (timecode, creation time); absent where it states none
+  FrameColour colour;           // as the container and the headers state it
+  bool has_audio = false;
+  bool truncated = false;  // the file ends before what it states; `ticks` are what is there
+  std::vector<std::string> warnings;  // each with the file: gaps, duplicates, truncation, with
+                                      // seconds, and interlaced frames
+
+  double seconds(size_t frame) const { return time_base.at(ticks[frame]); }
+};
+
+/// A camera's video or numbered images, with its pose where that is known.
+struct RigClip {
+  std::string name;             // "cam02"
+  std::filesystem::path video;  // of images: their folder, or that and what their names begin with
+  VideoTimeline timeline;
+  std::optional<RigCamera> camera;
+  std::vector<NumberedImage> images{};  // numbers are ticks; empty for a video
+};
+
+}  // namespace tessera
