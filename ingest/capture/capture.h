@@ -79,7 +79,8 @@ struct Capture {
   std::optional<TimeAxis> stated_axis;       // the times are normalised already, on this axis
   std::optional<std::string> points_file{};  // find_points() with it; absent: `points` is all
   std::optional<TimeAxis> points_axis;       // of the times of these points, if not time_axis
-  PointCloud points;                         // in the capture's world
+  glm::dvec3 origin{0};                      // taken out of all poses and points
+  PointCloud points;                         // in the world of the poses
   std::vector<std::pair<std::string, std::filesystem::path>> files;  // read beside the images:
                                                                      // names among sources, paths
   std::vector<std::string> warnings;                                 // one line each
@@ -97,6 +98,9 @@ struct Capture {
   bool has_points = false;  // points.ply lies beside transforms.json
   std::vector<SourceFile> sources;
 };
+
+/// Takes the far_origin() of all poses, which are stated, out of them.
+void take_origin_out(Capture& capture);
 
 std::vector<std::string> clip_names(const Capture& capture);
 /// Leaves clips out, all entries alike; `keep` has one entry a clip.

@@ -123,7 +123,7 @@ std::vector<ColmapImage> read_colmap_images_bin(const std::filesystem::path& pat
   return images;
 }
 
-ColmapPoints read_colmap_points_bin(const std::filesystem::path& path) {
+ColmapPoints read_colmap_points_bin(const std::filesystem::path& path, const glm::dvec3& origin) {
   constexpr uint64_t kLeastBytes = 8 + 3 * 8 + 3 + 8 + 8, kTrackBytes = 4 + 4;
   BinaryCursor file(path, "points");
   PointCloud points;
@@ -132,13 +132,13 @@ ColmapPoints read_colmap_points_bin(const std::filesystem::path& path) {
   for (uint64_t left = file.take_count(kLeastBytes); left > 0; --left) {
     file.begin_record();
     ids.push_back(file.take<uint64_t>());
-    glm::vec3 position;
-    for (glm::length_t i = 0; i < 3; ++i) position[i] = float(file.take<double>());
+    glm::dvec3 position;
+    for (glm::length_t i = 0; i < 3; ++i) position[i] = file.take<double>();
     std::array<uint8_t, 3> colour;
     for (uint8_t& value : colour) value = file.take<uint8_t>();
     errors += file.take<double>();
     file.skip_list(kTrackBytes);
-    points.position.push_back(position);
+    points.position.emplace_back(position - origin);
     points.colour.push_back(colour);
   }
   file.expect_end();

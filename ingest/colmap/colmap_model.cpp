@@ -11,6 +11,7 @@
 
 #include "ingest/colmap/colmap_records.h"
 #include "ingest/images/image_paths.h"
+#include "ingest/poses/far_origin.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/lower_case.h"
@@ -98,6 +99,14 @@ std::vector<ColmapPhoto> photos_of(const ColmapCameras& cameras,
   return photos;
 }
 
+void take_origin_out(ColmapModel& model) {
+  std::vector<glm::dvec3> centres;
+  for (const ColmapPhoto& photo : model.photos) centres.push_back(photo.camera.position());
+  model.origin = far_origin(centres);
+  for (ColmapPhoto& photo : model.photos)
+    photo.camera = camera_in_world(less(model.origin), photo.camera);
+}
+
 void drop_infinite_points(PointCloud& points, const std::string& where,
                           std::vector<std::string>& warnings) {
   size_t kept = 0;
@@ -151,13 +160,14 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
         fmt::format("{}: holds no images; run COLMAP again, on photos that overlap more",
                     images_file.string()));
   model.photos = photos_of(cameras, images, images_file.string(), model.warnings);
+  take_origin_out(model);
   if (!std::filesystem::exists(points_file)) {
     model.warnings.push_back(
         fmt::format("{}: no such file; there is no initial cloud", points_file.string()));
     return model;
   }
-  ColmapPoints points = binary ? read_colmap_points_bin(points_file)
-                               : read_colmap_points_txt(points_file, model.warnings);
+  ColmapPoints points = binary ? read_colmap_points_bin(points_file, model.origin)
+                               : read_colmap_points_txt(points_file, model.origin, model.warnings);
   model.points = std::move(points.cloud);
   model.error = points.error;
   model.files.push_back(points_file);

@@ -17,10 +17,12 @@ struct ColmapPhoto {
   std::string lens_model;  // COLMAP's name of it: "OPENCV"
 };
 
+/// Poses and points are less `origin`, so that points keep their places as floats.
 struct ColmapModel {
   std::vector<std::filesystem::path> files;  // that were read
   std::vector<ColmapPhoto> photos;           // sorted by name; never empty
   PointCloud points;                         // finite; empty where there is no points3D file
+  glm::dvec3 origin{0};                      // far_origin() of the photos
   double error = 0;                          // mean reprojection error of the points, pixels
   std::vector<std::string> warnings;         // one line each
 };

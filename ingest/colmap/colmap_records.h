@@ -75,14 +75,15 @@ using ColmapCameras = std::map<uint32_t, ColmapCamera>;  // by id
 // missing, truncated, longer than its records, a value that cannot be, an id listed twice.
 ColmapCameras read_colmap_cameras_bin(const std::filesystem::path& path);
 std::vector<ColmapImage> read_colmap_images_bin(const std::filesystem::path& path);
-ColmapPoints read_colmap_points_bin(const std::filesystem::path& path);
+/// Positions less `origin`, which is subtracted in double.
+ColmapPoints read_colmap_points_bin(const std::filesystem::path& path, const glm::dvec3& origin);
 
 // The text files state their counts in a comment; another count becomes a warning.
 ColmapCameras read_colmap_cameras_txt(const std::filesystem::path& path,
                                       std::vector<std::string>& warnings);
 std::vector<ColmapImage> read_colmap_images_txt(const std::filesystem::path& path,
                                                 std::vector<std::string>& warnings);
-ColmapPoints read_colmap_points_txt(const std::filesystem::path& path,
+ColmapPoints read_colmap_points_txt(const std::filesystem::path& path, const glm::dvec3& origin,
                                     std::vector<std::string>& warnings);
 
 /// Points in the order of their ids: COLMAP's two formats list the same points differently.

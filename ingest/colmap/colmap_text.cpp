@@ -185,7 +185,7 @@ std::vector<ColmapImage> read_colmap_images_txt(const std::filesystem::path& pat
   return images;
 }
 
-ColmapPoints read_colmap_points_txt(const std::filesystem::path& path,
+ColmapPoints read_colmap_points_txt(const std::filesystem::path& path, const glm::dvec3& origin,
                                     std::vector<std::string>& warnings) {
   TextRecords file(path);
   PointCloud points;
@@ -193,14 +193,13 @@ ColmapPoints read_colmap_points_txt(const std::filesystem::path& path,
   std::vector<uint64_t> ids;
   while (auto words = file.next_record()) {
     ids.push_back(words->number<uint64_t>("the point's id"));
-    glm::vec3 position;
-    for (glm::length_t i = 0; i < 3; ++i)
-      position[i] = float(words->number<double>("the position"));
+    glm::dvec3 position;
+    for (glm::length_t i = 0; i < 3; ++i) position[i] = words->number<double>("the position");
     std::array<uint8_t, 3> colour;
     for (uint8_t& value : colour) value = words->number<uint8_t>("the colour (0 to 255)");
     errors += words->number<double>("the error");
     if (words->count_left() % 2 != 0) words->fail("has a track of an odd number of values");
-    points.position.push_back(position);
+    points.position.emplace_back(position - origin);
     points.colour.push_back(colour);
   }
   file.check_count(warnings);

@@ -68,7 +68,8 @@ void read_velocities(const PlyElement& vertices, const std::vector<size_t>& rows
   }
 }
 
-PointCloud read_points(const std::filesystem::path& path, std::vector<std::string>& warnings) {
+PointCloud read_points(const std::filesystem::path& path, const glm::dvec3& origin,
+                       std::vector<std::string>& warnings) {
   const PlyFile file = read_ply(path);
   const PlyElement* vertices = file.find("vertex");
   const auto column = [&](const char* name) {
@@ -89,7 +90,8 @@ PointCloud read_points(const std::filesystem::path& path, std::vector<std::strin
   PointCloud points;
   std::vector<size_t> taken;
   for (size_t row = 0; row < size_t(vertices->rows); ++row) {
-    const glm::vec3 position(axes[0]->values[row], axes[1]->values[row], axes[2]->values[row]);
+    const glm::vec3 position(
+        glm::dvec3(axes[0]->values[row], axes[1]->values[row], axes[2]->values[row]) - origin);
     if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z))
       continue;
     points.position.push_back(position);
@@ -108,12 +110,12 @@ PointCloud read_points(const std::filesystem::path& path, std::vector<std::strin
 }  // namespace
 
 PointCloud find_points(const std::filesystem::path& folder, const std::string& stated,
-                       std::vector<std::string>& warnings) {
-  if (!stated.empty()) return read_points(folder / stated, warnings);
+                       std::vector<std::string>& warnings, const glm::dvec3& origin) {
+  if (!stated.empty()) return read_points(folder / stated, origin, warnings);
   for (const char* name : {"points.ply", "points3d.ply", "points3D.ply", "fused.ply"}) {
     if (!std::filesystem::is_regular_file(folder / name)) continue;
     try {
-      return read_points(folder / name, warnings);
+      return read_points(folder / name, origin, warnings);
     } catch (const InputError& error) {
       warnings.push_back(fmt::format("no initial cloud taken: {}", error.what()));
     }
@@ -168,6 +170,13 @@ void add_points(PointCloud& cloud, const PointCloud& more) {
   join(cloud.velocity, more.velocity, glm::vec3(0));
   cloud.position.insert(cloud.position.end(), more.position.begin(), more.position.end());
   cloud.colour.insert(cloud.colour.end(), more.colour.begin(), more.colour.end());
+}
+
+void move_points(const Similarity& b_from_a, PointCloud& cloud) {
+  if (b_from_a.is_identity()) return;
+  for (glm::vec3& position : cloud.position) position = glm::vec3(b_from_a(glm::dvec3(position)));
+  for (glm::vec3& velocity : cloud.velocity)
+    velocity = glm::vec3(b_from_a.scale * (b_from_a.rotation * glm::dvec3(velocity)));
 }
 
 void change_time_axis(PointCloud& cloud, const TimeAxis& from, const TimeAxis& to) {

@@ -48,9 +48,6 @@ Capture read_clip_layout(const std::filesystem::path& folder, const IngestOption
   capture.posed = false;
   capture.is_timed = true;
   capture.times_from = folder;
-  if (of_images)
-    capture.notes.push_back(fmt::format("{}: {}", folder.string(),
-                                        reading_text(capture.clips.size(), *options.image_rate)));
   return capture;
 }
 

@@ -9,6 +9,7 @@
 #include "ingest/images/image_paths.h"
 #include "ingest/layouts/image_sequences.h"
 #include "ingest/layouts/layout_readers.h"
+#include "ingest/poses/far_origin.h"
 #include "ingest/poses/llff_poses.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
@@ -129,6 +130,8 @@ void take_photos(ColmapModel model, bool strict, Capture& capture) {
   for (const std::filesystem::path& file : model.files)
     capture.files.emplace_back(file.lexically_relative(capture.folder).generic_string(), file);
   capture.points = std::move(model.points);
+  capture.origin = model.origin;
+  capture.prepared_from_source = less(model.origin);
   capture.test_every = kTestEvery;
   capture.posed = true;
 }

@@ -47,6 +47,7 @@ Capture read_transforms_layout(const std::filesystem::path& folder, const Ingest
   capture.times_from = listed.files.front();
   capture.stated_axis = listed.prepared_axis;
   capture.prepared_from_source = listed.prepared_from_source;
+  if (!listed.prepared_axis) take_origin_out(capture);
   capture.points_file = listed.points_file;
   for (const std::filesystem::path& file : listed.files)
     capture.files.emplace_back(file.filename().string(), file);

@@ -1,6 +1,8 @@
 // Estimates up, centre and scale of a capture by medians instead of means.
 #include "ingest/poses/world_normalisation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -115,6 +117,19 @@ bool find_meeting(const std::vector<Camera>& cameras, dvec3& centre) {
   return 2 * in_front > std::ptrdiff_t(cameras.size());
 }
 
+/// Depths of the points before the cameras, whose intrinsics may not be known.
+std::vector<double> depths_in_front(const std::vector<Camera>& cameras, const PointCloud& points) {
+  constexpr size_t kMost = 1'000'000;
+  const size_t stride = 1 + points.position.size() * cameras.size() / kMost;
+  std::vector<double> depths;
+  for (const Camera& camera : cameras)
+    for (size_t i = 0; i < points.position.size(); i += stride) {
+      const dvec3 p = camera.cam_from_world * dvec3(points.position[i]) + camera.translation;
+      if (p.z > 0) depths.push_back(p.z);
+    }
+  return depths;
+}
+
 /// Depths of the points in the images of the cameras, at most about 10⁶ of them.
 std::vector<double> depths_in_view(const std::vector<Camera>& cameras, const PointCloud& points) {
   constexpr size_t kMost = 1'000'000;
@@ -157,6 +172,41 @@ Similarity normalised_from_source(const std::vector<Camera>& cameras, const Poin
   result.rotation = rotation_to_z(find_up(cameras));
   result.translation = -result.scale * (result.rotation * centre);
   return result;
+}
+
+Similarity usable_from_stated(const std::vector<Camera>& cameras, const PointCloud& points) {
+  constexpr double kMostOff = 10;     // from kNormalisedDistance
+  constexpr double kDepthApart = 10;  // of the distances of cameras whose axes do not meet
+  if (cameras.empty()) return {};
+  dvec3 centre(0.0);
+  const bool meet = find_meeting(cameras, centre);
+  if (!meet)
+    for (const Camera& camera : cameras) centre += camera.position() / double(cameras.size());
+  std::vector<double> distances;
+  for (const Camera& camera : cameras) distances.push_back(glm::length(camera.position() - centre));
+  double size = quantile(distances, 0.5);
+  if (!meet) {
+    const std::vector<double> depths = depths_in_front(cameras, points);
+    size = depths.empty() ? kDepthApart * size : quantile(depths, 0.5);
+    for (const Camera& camera : cameras)
+      centre += size / double(cameras.size()) * forward_of(camera);
+  }
+  Similarity change;
+  const double scale = size > 0 ? kNormalisedDistance / size : 1;
+  if (scale >= 1 / kMostOff && scale <= kMostOff) return change;
+  change.scale = scale;
+  change.translation = -scale * centre;
+  return change;
+}
+
+std::string stated_world_text(const Similarity& prepared_from_source) {
+  if (prepared_from_source.is_identity()) return "";
+  const Similarity source_from_prepared = inverse(prepared_from_source);
+  const dvec3& centre = source_from_prepared.translation;
+  return fmt::format(
+      "the world of the poses is scaled by {:.6g} and has its origin at ({:.6g}, {:.6g}, {:.6g}); "
+      "exports lead back",
+      prepared_from_source.scale, centre.x, centre.y, centre.z);
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 // cameras at distance 4. Source: method E.3 (centre of optical axes, mean up, distance 4), with
 // robust means.
 #pragma once
+#include <string>
 #include <vector>
 
 #include "ingest/scene.h"
@@ -25,5 +26,16 @@ inline constexpr double kNormalisedDistance = 4;
 /// if larger, where the axes do not meet), and more where the nearest points would lie before the
 /// near plane. Without any length to measure (one camera, no points) the scale stays.
 Similarity normalised_from_source(const std::vector<Camera>& cameras, const PointCloud& points);
+
+/// The change of a world that protocols and other programs rely on: none where the training cameras
+/// stand 0.4 to 40 units from what they see; else it is scaled to kNormalisedDistance and centred,
+/// never turned, so that results do not depend on the unit. What cameras see lies where their axes
+/// meet, else at the median depth of the points, else ten times as far as the cameras stand apart.
+/// Intrinsics are not looked at; without any length nothing is changed.
+Similarity usable_from_stated(const std::vector<Camera>& cameras, const PointCloud& points);
+
+/// A line about a stated world that was moved, from which `prepared_from_source` leads back; empty
+/// where it was not.
+std::string stated_world_text(const Similarity& prepared_from_source);
 
 }  // namespace tessera

@@ -12,6 +12,8 @@
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/images/alpha_and_mask.h"
+#include "ingest/poses/far_origin.h"
+#include "ingest/poses/world_normalisation.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -197,6 +199,28 @@ void check_splits(const Scene& scene) {
         fmt::format("{}: no frame is in the split 'train'; mark some as training", scene.path));
 }
 
+/// Poses and points in a world that can be trained in, whichever frames are loaded. A prepared
+/// scene's is.
+void place_world(const std::filesystem::path& folder, TransformsCapture& capture, Scene& scene) {
+  const bool is_prepared = capture.prepared_axis.has_value();
+  std::vector<glm::dvec3> centres;
+  for (const TransformsFrame& frame : capture.frames) centres.push_back(frame.camera.position());
+  const glm::dvec3 origin = is_prepared ? glm::dvec3(0) : far_origin(centres);
+  scene.points = find_points(folder, capture.points_file, scene.warnings, origin);
+  scene.prepared_from_source = capture.prepared_from_source;
+  if (is_prepared) return;
+  std::vector<Camera> training;
+  for (TransformsFrame& frame : capture.frames) {
+    frame.camera = camera_in_world(less(origin), frame.camera);
+    if (frame.split == Split::kTrain) training.push_back(frame.camera);
+  }
+  const Similarity change = usable_from_stated(training, scene.points);
+  for (TransformsFrame& frame : capture.frames)
+    frame.camera = camera_in_world(change, frame.camera);
+  move_points(change, scene.points);
+  scene.prepared_from_source = compose(change, less(origin));
+}
+
 }  // namespace
 
 Scene load_scene(const std::filesystem::path& folder, const SceneOptions& options) {
@@ -205,14 +229,13 @@ Scene load_scene(const std::filesystem::path& folder, const SceneOptions& option
   scene.path = folder.string();
   scene.background = options.background;
   scene.warnings = std::move(capture.warnings);
-  scene.points = find_points(folder, capture.points_file, scene.warnings);
+  place_world(folder, capture, scene);
   NormalisedTimes times = times_of(capture, options.allow_static);
   Clocks clocks = clocks_of(capture, std::move(times.time));
   if (options.timesteps) keep_timesteps(capture, clocks, *options.timesteps);
   if (options.held_out) keep_held_out(capture, clocks, *options.held_out);
   load_frames(capture, options, scene);
   scene.time_axis = times.axis;
-  scene.prepared_from_source = capture.prepared_from_source;
   scene.is_static = times.is_static;
   for (size_t i = 0; i < scene.frames.size(); ++i) {
     scene.frames[i].time = clocks.time[i];

@@ -35,17 +35,25 @@ std::vector<Camera> training_poses(const Capture& scene) {
   return poses;
 }
 
-/// Poses and points to the normalised world, if there is a training camera.
-void normalise_world(Capture& capture) {
-  const std::vector<Camera> poses = training_poses(capture);
-  if (poses.empty()) return;
-  const Similarity change = normalised_from_source(poses, capture.points);
-  for (CaptureFrame& prepared : capture.frames)
-    prepared.frame.camera = camera_in_world(change, prepared.frame.camera);
-  for (glm::vec3& point : capture.points.position) point = glm::vec3(change(glm::dvec3(point)));
-  for (glm::vec3& velocity : capture.points.velocity)
-    velocity = glm::vec3(change.scale * (change.rotation * glm::dvec3(velocity)));
+void change_world(const Similarity& change, Capture& capture) {
+  for (CaptureFrame& frame : capture.frames)
+    frame.frame.camera = camera_in_world(change, frame.frame.camera);
+  move_points(change, capture.points);
   capture.prepared_from_source = compose(change, capture.prepared_from_source);
+}
+
+/// A world that is arbitrary is normalised, a stated one made usable; a world that is to be kept
+/// has only lost its far origin.
+void place_world(const IngestOptions& options, Capture& capture) {
+  const bool is_stated = row_of(*options.layout).stated_world;
+  const std::vector<Camera> poses = training_poses(capture);
+  if (!options.keep_world && !poses.empty())
+    change_world(is_stated ? usable_from_stated(poses, capture.points)
+                           : normalised_from_source(poses, capture.points),
+                 capture);
+  const std::string line = stated_world_text(capture.prepared_from_source);
+  if ((options.keep_world || is_stated) && !capture.stated_axis && !line.empty())
+    capture.notes.push_back(line);
 }
 
 using Gains = std::map<std::string, std::array<double, 3>>;  // by camera
@@ -101,8 +109,7 @@ void warn_of_odd_cameras(const std::filesystem::path& folder, std::vector<std::s
 Capture finish_scene(Capture capture, const StepContext& context) {
   const IngestOptions& options = context.options;
   const std::filesystem::path& folder = context.folder;
-  const LayoutRow& layout = row_of(*options.layout);
-  if (!options.keep_world && !layout.stated_world) normalise_world(capture);
+  place_world(options, capture);
   write_prepared_scene(folder, capture);  // read by the next two
   if (options.fit_exposure) even_exposure(folder, capture, context.progress);
   add_initial_cloud(folder, options, context.progress, capture);
@@ -110,7 +117,7 @@ Capture finish_scene(Capture capture, const StepContext& context) {
   capture.has_points = !capture.points.position.empty();
   if (capture.has_points) write_points(folder / "points.ply", capture.points);
   write_prepared_scene(folder, capture);
-  if (options.check_cameras && capture.cameras.size() > 1 && layout.clips)
+  if (options.check_cameras && capture.cameras.size() > 1 && row_of(*options.layout).clips)
     warn_of_odd_cameras(folder, capture.warnings);
   return capture;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "ingest/layouts/image_sequences.h"
 #include "ingest/poses/llff_poses.h"
 #include "ingest/poses/rig_poses_file.h"
 #include "ingest/steps/kept_frames.h"
@@ -127,11 +128,15 @@ Capture open_clips(Capture capture, const StepContext& context) {
   if (!poses.empty()) {
     fit_sizes(capture.clips);
     leave_out_bad_lenses(options.strict, capture);
+    take_origin_out(capture);
     capture.posed = true;
     capture.files.emplace_back(poses.filename().string(), poses);
     capture.points_file = "";
     if (capture.layout == "videos") capture.layout = "n3dv";
   }
+  if (options.layout == CaptureLayout::kSequences)
+    capture.notes.push_back(fmt::format("{}: {}", capture.folder.string(),
+                                        reading_text(capture.clips.size(), *options.image_rate)));
   hold_out(options, capture);
   check_clips(capture, options);
   return capture;

@@ -41,7 +41,8 @@ std::vector<RigInstant> spread_instants(const Capture& capture) {
 Capture read_points(Capture capture, const StepContext& context) {
   if (!capture.points_file) return capture;
   const IngestOptions& options = context.options;
-  capture.points = find_points(capture.folder, *capture.points_file, capture.warnings);
+  capture.points =
+      find_points(capture.folder, *capture.points_file, capture.warnings, capture.origin);
   if (capture.points_axis)
     change_time_axis(capture.points, *capture.points_axis, capture.time_axis);
   if (!capture.clips.empty() && options.cloud == CloudDensity::kSparse &&

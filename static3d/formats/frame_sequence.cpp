@@ -134,8 +134,11 @@ void SequenceWriter::write_manifest(const SequenceReport& report) const {
   manifest["fps"] = frames_per_second();
   manifest["time_axis"] = {{"origin", model_.time_axis.origin},
                            {"duration", model_.time_axis.duration}};
-  const bool in_source_world = model_.prepared_from_source.is_identity();
-  manifest["world"] = in_source_world ? "source" : "prepared";
+  const Similarity& world = model_.prepared_from_source;
+  const bool is_source = world.scale == 1 && world.rotation == glm::dmat3(1.0);
+  manifest["world"] = is_source ? "source" : "prepared";
+  if (is_source && !world.is_identity())  // to be added to all places
+    manifest["world_origin"] = {-world.translation.x, -world.translation.y, -world.translation.z};
   manifest["sh_degree"] = model_.drawing.sh_degree;
   manifest["background"] = model_.background;
   manifest["up"] = up_of(hints_.cameras);

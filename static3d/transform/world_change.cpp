@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/far_origin.h"
 #include "kernels/base/parallel.h"
 #include "kernels/load_gaussian.h"
 #include "kernels/math/carry.h"
@@ -147,8 +148,13 @@ GaussianModel model_in_world(const Similarity& b_from_a, const GaussianModel& mo
 }
 
 GaussianModel model_in_source_world(const GaussianModel& model) {
-  GaussianModel moved = model_in_world(inverse(model.prepared_from_source), model);
-  moved.prepared_from_source = {};
+  constexpr double kPreparedSize =
+      4;  // units that cameras of a prepared world stand from its centre
+  const Similarity source_from_prepared = inverse(model.prepared_from_source);
+  const glm::dvec3 origin =
+      far_origin(source_from_prepared.translation, kPreparedSize * source_from_prepared.scale);
+  GaussianModel moved = model_in_world(compose(less(origin), source_from_prepared), model);
+  moved.prepared_from_source = less(origin);
   return moved;
 }
 

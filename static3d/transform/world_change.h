@@ -26,7 +26,9 @@ void flip_axes(GaussianSet& set, const AxisSigns& signs);
 /// lengths stay, clip planes scale. Without optimizer state. The identity leaves every bit.
 GaussianModel model_in_world(const Similarity& b_from_a, const GaussianModel& model);
 
-/// The model in the world of its capture's source; prepared_from_source is the identity then.
+/// The model in the world of its capture's source. Where that lies too far from its origin for
+/// floats, less a far_origin(), which prepared_from_source takes out then; else that is the
+/// identity.
 GaussianModel model_in_source_world(const GaussianModel& model);
 
 }  // namespace tessera

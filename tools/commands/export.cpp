@@ -100,6 +100,16 @@ void warn_of_losses(const ModelInput& input, const TimeFormat* in_time) {
                     input.file.string()));
 }
 
+/// Coordinates of maps are written without their millions.
+void warn_of_origin(const ModelInput& input) {
+  const glm::dvec3 origin = -input.model.prepared_from_source.translation;
+  if (origin == glm::dvec3(0)) return;
+  warn(fmt::format(
+      "{}: its capture lies so far from the origin that floats do not hold it; exported "
+      "are its places less ({:.10g}, {:.10g}, {:.10g})",
+      input.file.string(), origin.x, origin.y, origin.z));
+}
+
 /// The files that an earlier export left in the folder are removed; the model must not be one.
 void check_places(const ExportRequest& request, const std::filesystem::path& model) {
   std::error_code missing;
@@ -119,7 +129,10 @@ int export_command(const ExportRequest& request) {
   for (const std::string& warning : input.warnings) warn(warning);
   check_places(request, input.file);
   const nlohmann::json floaters = clean_if_asked(request, input.model);
-  if (!request.keep_world) input.model = model_in_source_world(input.model);
+  if (!request.keep_world) {
+    input.model = model_in_source_world(input.model);
+    warn_of_origin(input);
+  }
   nlohmann::json result = in_time != nullptr ? in_time->write(request, input.model)
                                              : export_frames(request, input.model);
   warn_of_losses(input, in_time);  // of what has been written

@@ -279,7 +279,7 @@ TEST(RealConventions, FernPointsLieOnTheirColours) {
   const Scene scene = load_scene(folder / "scene", {});
   EXPECT_EQ(scene.split_indices(Split::kTest), (std::vector<int>{0, 8, 16}));
   expect_points_on_colours(
-      scene, read_colmap_points_bin(data / "sparse_rebuilt/0/points3D.bin").cloud, "fern");
+      scene, read_colmap_points_bin(data / "sparse_rebuilt/0/points3D.bin", {}).cloud, "fern");
 }
 
 /// The points of one world in another, in which `there[i]` is camera `here[i]`: a similarity by the
