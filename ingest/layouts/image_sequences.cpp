@@ -7,9 +7,9 @@
 #include <map>
 #include <set>
 
+#include "ingest/images/image_names.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/layouts/image_names.h"
 #include "ingest/prepared/transforms_json.h"
 #include "ingest/test_views.h"
 

@@ -1,5 +1,5 @@
 // Names are read word by word, without regard to case.
-#include "ingest/layouts/image_names.h"
+#include "ingest/images/image_names.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Cameras and frame numbers in the names of files and folders.
-#include "ingest/layouts/image_names.h"
+#include "ingest/images/image_names.h"
 
 #include <gtest/gtest.h>
 
