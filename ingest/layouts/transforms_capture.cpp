@@ -32,6 +32,7 @@ Capture read_transforms_layout(const std::filesystem::path& folder, const Ingest
   capture.folder = folder;
   capture.layout = "transforms";
   capture.warnings = std::move(listed.warnings);
+  capture.notes = std::move(listed.notes);
   note_missing(folder, listed.missing, "the transforms file", options.strict, capture.warnings);
   std::map<std::string, size_t> cameras;  // name → index
   for (const TransformsFrame& frame : listed.frames) {

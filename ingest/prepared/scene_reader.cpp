@@ -229,6 +229,7 @@ Scene load_scene(const std::filesystem::path& folder, const SceneOptions& option
   scene.path = folder.string();
   scene.background = options.background;
   scene.warnings = std::move(capture.warnings);
+  scene.warnings.insert(scene.warnings.end(), capture.notes.begin(), capture.notes.end());
   place_world(folder, capture, scene);
   NormalisedTimes times = times_of(capture, options.allow_static);
   Clocks clocks = clocks_of(capture, std::move(times.time));

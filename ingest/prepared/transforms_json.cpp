@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -14,6 +13,8 @@
 #include "ingest/images/image_index.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/poses/transforms_values.h"
+#include "ingest/prepared/frame_times.h"
+#include "ingest/prepared/times_and_cameras.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -94,7 +95,8 @@ TransformsFrame parse_frame(const json& entry, const json& file, const StatedInt
     frame.mask = mask_of(entry, folder, files, frame.where);
   }
   frame.name = name_of_frame(file_path, frame.image, folder);
-  frame.time = finite_number(entry, "time", frame.where);
+  frame.time = stated_time(entry, frame.where);
+  frame.other_times = other_times_of(entry);
   if (images == Images::kListed)
     frame.lens = stated_lens(entry, file, frame.where);
   else
@@ -108,6 +110,7 @@ TransformsFrame parse_frame(const json& entry, const json& file, const StatedInt
   frame.frame_number = -1;  // counted once all frames are known
   if (const auto made_by_us = entry.find("tessera"); made_by_us != entry.end()) {
     frame.camera_name = string_at(*made_by_us, "camera", frame.where);
+    frame.camera_is_stated = true;
     frame.frame_number = int64_t(finite_number(*made_by_us, "frame", frame.where).value_or(-1));
   }
   return frame;
@@ -162,31 +165,16 @@ void make_names_unique(TransformsCapture& capture) {
   }
 }
 
-void number_frames(TransformsCapture& capture) {
-  std::map<std::string, int64_t> next;
-  for (TransformsFrame& frame : capture.frames)
-    if (frame.frame_number < 0) frame.frame_number = next[frame.camera_name]++;
-}
-
-void check_times(const TransformsCapture& capture) {
-  const auto has_time = [](const TransformsFrame& frame) { return frame.time.has_value(); };
-  const auto& frames = capture.frames;
-  if (std::none_of(frames.begin(), frames.end(), has_time)) return;
-  const auto without = std::find_if_not(frames.begin(), frames.end(), has_time);
-  if (without != frames.end())
-    throw InputError(fmt::format(
-        "{}: has no time, other frames have one; add it, or remove all times for a static scene",
-        without->where));
-}
-
 /// What needs all frames.
-void complete(TransformsCapture& capture) {
+void complete(TransformsCapture& capture, Images images) {
   if (capture.frames.empty())
     throw InputError(fmt::format("{}: lists no frames; export the cameras again",
                                  capture.files.front().string()));
   make_names_unique(capture);
-  number_frames(capture);
-  check_times(capture);
+  if (images == Images::kUnused)
+    set_path_times(capture);
+  else
+    set_times_and_cameras(capture);
 }
 
 TransformsCapture read_files(const std::filesystem::path& folder, Images images) {
@@ -204,7 +192,7 @@ TransformsCapture read_files(const std::filesystem::path& folder, Images images)
         "`tessera ingest`",
         folder.string()));
   }
-  complete(capture);
+  complete(capture, images);
   return capture;
 }
 
@@ -265,7 +253,7 @@ TransformsCapture read_transforms_capture(const std::filesystem::path& folder) {
 TransformsCapture read_camera_path(const std::filesystem::path& file) {
   TransformsCapture capture;
   read_file(file, Split::kTest, Images::kUnused, capture);
-  complete(capture);
+  complete(capture, Images::kUnused);
   return capture;
 }
 

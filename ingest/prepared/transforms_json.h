@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,12 +23,14 @@ struct TransformsFrame {
   std::filesystem::path mask;   // mask_path, an existing file; empty: none is stated
   std::string name;             // file_path without "./", ".." and extension; unique
   std::string camera_name;
+  bool camera_is_stated = false;  // in a `tessera` object
   int64_t frame_number = 0;
   Split split = Split::kTrain;
-  std::optional<double> time;   // capture's own unit; normalised already in a prepared scene
-  StatedIntrinsics intrinsics;  // of the frame, else of the file
-  StatedLens lens;              // likewise; a pinhole where read_transforms read it
-  Camera camera;                // pose only
+  std::optional<double> time;  // capture's own unit; normalised already in a prepared scene
+  std::map<std::string, double> other_times;  // by key (frame_times.h)
+  StatedIntrinsics intrinsics;                // of the frame, else of the file
+  StatedLens lens;                            // likewise; a pinhole where read_transforms read it
+  Camera camera;                              // pose only
 };
 
 struct TransformsCapture {
@@ -39,6 +42,7 @@ struct TransformsCapture {
   Similarity prepared_from_source;   // of the poses' world; identity without a `tessera` object
   std::vector<std::string> missing;  // file_path of frames without an image, left out
   std::vector<std::string> warnings;
+  std::vector<std::string> notes;  // how times and cameras were found where no file states them
 };
 
 /// Reads what can be trained on as it is from `folder`: transforms_train/val/test.json where

@@ -89,8 +89,8 @@ json describe_transforms(const fs::path& folder) {
   info["background"] = sizes.with_alpha > 0 ? "alpha: composited on --background" : "opaque";
   if (sizes.not_png > 0) info["frames_not_png"] = sizes.not_png;
   if (prepared) put_preparation(folder, info);
-  std::vector<std::string> warnings = capture.warnings;
-  if (!warnings.empty()) info["warnings"] = warnings;
+  if (!capture.warnings.empty()) info["warnings"] = capture.warnings;
+  if (!capture.notes.empty()) info["notes"] = capture.notes;
   return info;
 }
 

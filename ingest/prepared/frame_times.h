@@ -1,0 +1,31 @@
+// The times of frames in transforms files: `time`, or another key where the images show that it is
+// one.
+#pragma once
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/prepared/transforms_json.h"
+
+namespace tessera {
+
+/// `time` as a number or as the text of one. Errors: InputError that starts with `where`: anything
+/// else.
+std::optional<double> stated_time(const nlohmann::json& entry, const std::string& where);
+
+/// The values that an entry has under other keys in use for times (`timestamp`, `frame_id` …); NaN
+/// for what is no number.
+std::map<std::string, double> other_times_of(const nlohmann::json& entry);
+
+/// Sets TransformsFrame::time of a capture that states no `time`, and notes the key. A key counts
+/// where all frames have it and it changes while a view stays, or where images of several views
+/// share its values; times in any unit come before numbers of frames, which are counted at 30 a
+/// second. Photos of a scene that stands still have such keys, too: they stay without times, and a
+/// note names the keys. `views`: view_numbers of the frames. Errors: InputError that names the keys
+/// and `time`: keys that differ in their order, numbers that count the images of all cameras, and
+/// views that mostly have several images that differ without any such key.
+void choose_times(TransformsCapture& capture, const std::vector<int>& views);
+
+}  // namespace tessera
