@@ -1,11 +1,11 @@
-// Frames of cameras that are not those of the folders are numbered by time, others as listed.
+// Frames of cameras that are not those of the folders are sorted by time, others stay as listed.
 #include "ingest/prepared/times_and_cameras.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
-#include <numeric>
+#include <tuple>
 
 #include "ingest/prepared/camera_groups.h"
 #include "ingest/prepared/equal_views.h"
@@ -29,19 +29,18 @@ void check_times(const TransformsCapture& capture) {
         without->where));
 }
 
-/// In the order of `order`, where none is stated.
-void number_frames(TransformsCapture& capture, const std::vector<size_t>& order) {
+/// In the order of the frames, where no number is stated.
+void number_frames(TransformsCapture& capture) {
   std::map<std::string, int64_t> next;
-  for (const size_t i : order) {
-    TransformsFrame& frame = capture.frames[i];
+  for (TransformsFrame& frame : capture.frames)
     if (frame.frame_number < 0) frame.frame_number = next[frame.camera_name]++;
-  }
 }
 
-std::vector<size_t> listed_order(const TransformsCapture& capture) {
-  std::vector<size_t> order(capture.frames.size());
-  std::iota(order.begin(), order.end(), size_t(0));
-  return order;
+void sort_by_camera_and_time(std::vector<TransformsFrame>& frames) {
+  std::sort(frames.begin(), frames.end(), [](const TransformsFrame& a, const TransformsFrame& b) {
+    return std::tie(a.split, a.camera_name, *a.time, a.name) <
+           std::tie(b.split, b.camera_name, *b.time, b.name);
+  });
 }
 
 std::vector<UngroupedFrame> ungrouped(const TransformsCapture& capture,
@@ -55,10 +54,20 @@ std::vector<UngroupedFrame> ungrouped(const TransformsCapture& capture,
   return frames;
 }
 
+/// Gives frames with times their cameras. Where these are not the folders, the frames are sorted,
+/// so that the order of the file changes nothing.
+void set_cameras(TransformsCapture& capture, const std::vector<int>& views) {
+  const CameraGroups groups = group_cameras(ungrouped(capture, views));
+  if (!groups.regrouped) return;
+  for (size_t i = 0; i < views.size(); ++i) capture.frames[i].camera_name = groups.cameras[i];
+  capture.notes.push_back(fmt::format("{}: {}", capture.files.front().string(), groups.note));
+  sort_by_camera_and_time(capture.frames);
+}
+
 }  // namespace
 
 void set_path_times(TransformsCapture& capture) {
-  number_frames(capture, listed_order(capture));
+  number_frames(capture);
   check_times(capture);
 }
 
@@ -67,18 +76,8 @@ void set_times_and_cameras(TransformsCapture& capture) {
   const std::vector<int> views = view_numbers(capture.frames);
   choose_times(capture, views);
   check_times(capture);
-  std::vector<size_t> order = listed_order(capture);
-  if (has_time(capture.frames.front())) {
-    CameraGroups groups = group_cameras(ungrouped(capture, views));
-    for (const size_t i : order) capture.frames[i].camera_name = std::move(groups.cameras[i]);
-    if (groups.regrouped) {
-      capture.notes.push_back(fmt::format("{}: {}", capture.files.front().string(), groups.note));
-      std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-        return *capture.frames[a].time < *capture.frames[b].time;
-      });
-    }
-  }
-  number_frames(capture, order);
+  if (has_time(capture.frames.front())) set_cameras(capture, views);
+  number_frames(capture);
 }
 
 }  // namespace tessera

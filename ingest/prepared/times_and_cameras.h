@@ -5,8 +5,9 @@
 
 namespace tessera {
 
-/// Sets time, camera_name and frame_number of `capture.frames`, and notes how they were found. What
-/// a prepared scene states stays. Errors: InputError: times that some frames lack, or that cannot
+/// Sets time, camera_name and frame_number of `capture.frames`, and notes how they were found.
+/// Frames are sorted by split, camera and time where their cameras are not their folders. What a
+/// prepared scene states stays. Errors: InputError: times that some frames lack, or that cannot
 /// be told (frame_times.h).
 void set_times_and_cameras(TransformsCapture& capture);
 

@@ -1,9 +1,13 @@
 // The Scene of a transforms capture that was converted to a prepared scene equals the Scene loaded
 // from the capture itself.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "ingest/files/ply.h"
 #include "ingest/files/png.h"
@@ -141,6 +145,59 @@ TEST(TransformsCapture, StatedTestFramesAreNotChosenAgain) {
   options.test_every = 2;
   expect_input_error([&] { ingest_capture(folder / "capture", folder / "scene", options, {}); },
                      {"test/r_000", "--test-every", "leave the option out"});
+}
+
+/// Fixed cameras that film together, listed in another order where `shuffled`.
+void write_transforms_rig(const std::filesystem::path& folder, bool in_folders, bool shuffled) {
+  std::vector<json> frames;
+  for (int camera = 0; camera < 3; ++camera)
+    for (int step = 0; step < 4; ++step) {
+      const std::string name = fmt::format("{}cam{:02}{}{:04}", in_folders ? "" : "images/", camera,
+                                           in_folders ? "/" : "_", step);
+      std::filesystem::create_directories((folder / name).parent_path());
+      write_png(folder / (name + ".png"), patterned_image(8, 6, 3, 4 * camera + step));
+      const double angle = 0.3 * camera;
+      frames.push_back({{"file_path", name},
+                        {"time", step / 30.0},
+                        {"transform_matrix", gl_matrix(looking_at_origin(
+                                                 {4 * std::cos(angle), 4 * std::sin(angle), 1}))}});
+    }
+  if (shuffled) std::shuffle(frames.begin(), frames.end(), std::mt19937(5));
+  write_bytes(folder / "transforms.json",
+              json{{"camera_angle_x", 0.7}, {"frames", frames}}.dump(1));
+}
+
+// Bug put back: the folder `images` as the one camera; seen to fail.
+TEST(TransformsCapture, NamesInOneFolderAreReadAsFolders) {
+  const TemporaryFolder folder;
+  write_transforms_rig(folder / "folders", true, false);
+  IngestOptions options;
+  options.held_out = {"cam01"};
+  IngestReport report = ingest_capture(folder / "folders", folder / "scene", options, {});
+  EXPECT_TRUE(report.notes.empty());
+  const Scene expected = load_scene(folder / "scene", {});
+  for (const bool shuffled : {false, true}) {
+    const std::string name = shuffled ? "shuffled" : "flat";
+    write_transforms_rig(folder / name, false, shuffled);
+    report = ingest_capture(folder / name, folder / (name + "_scene"), options, {});
+    EXPECT_EQ(report.cameras, 3);
+    EXPECT_EQ(report.scored, "will be scored: 4 test views (camera cam01)");
+    ASSERT_EQ(report.notes.size(), 1u);
+    EXPECT_NE(report.notes[0].find("read as 3 cameras with 4 images each, by their poses"),
+              std::string::npos);
+    const Scene scene = load_scene(folder / (name + "_scene"), {});
+    ASSERT_EQ(scene.frames.size(), expected.frames.size());
+    for (size_t i = 0; i < scene.frames.size(); ++i) {
+      EXPECT_EQ(scene.frames[i].camera_name, expected.frames[i].camera_name);
+      EXPECT_EQ(scene.frames[i].frame_number, expected.frames[i].frame_number);
+      EXPECT_EQ(scene.frames[i].timestep, expected.frames[i].timestep);
+      EXPECT_EQ(scene.frames[i].split, expected.frames[i].split);
+      EXPECT_EQ(scene.frames[i].image.data, expected.frames[i].image.data);
+    }
+    const Scene opened = load_scene(folder / name, {});
+    EXPECT_EQ(opened.warnings.size(), 1u) << "what `run` opens";
+    EXPECT_EQ(opened.frames.front().camera_name, "cam00");
+  }
 }
 
 TEST(TransformsCapture, FirstInstantsOfEachCamera) {
