@@ -7,13 +7,11 @@
 namespace tessera {
 namespace {
 
-using Frames = CameraEvidence::Frames;
-
 constexpr double kEqualTimes = 1e-6;  // of the clip, as of timesteps
-constexpr size_t kFew = 10;           // one of so many frames does not decide
+constexpr size_t kFewOfCamera = 10;   // one of so many frames does not decide
 
 std::vector<int> time_numbers(const std::vector<UngroupedFrame>& frames) {
-  Frames order(frames.size());
+  FrameNumbers order(frames.size());
   std::iota(order.begin(), order.end(), size_t(0));
   std::sort(order.begin(), order.end(),
             [&](size_t a, size_t b) { return frames[a].time < frames[b].time; });
@@ -28,8 +26,8 @@ std::vector<int> time_numbers(const std::vector<UngroupedFrame>& frames) {
 
 }  // namespace
 
-std::map<std::string, Frames> by_label(const CameraLabels& labels, const Frames& frames) {
-  std::map<std::string, Frames> groups;
+LabelGroups by_label(const CameraLabels& labels, const FrameNumbers& frames) {
+  LabelGroups groups;
   for (const size_t i : frames) groups[labels[i]].push_back(i);
   return groups;
 }
@@ -39,7 +37,7 @@ CameraEvidence::CameraEvidence(const std::vector<UngroupedFrame>& frames)
       times_(time_numbers(frames)),
       latest_(*std::max_element(times_.begin(), times_.end())) {
   std::vector<std::string> names;
-  std::map<std::pair<Split, int>, Frames> views;
+  std::map<std::pair<Split, int>, FrameNumbers> views;
   for (size_t i = 0; i < frames.size(); ++i) {
     names.push_back(frames[i].name);
     listing_.push_back(frames[i].listing);
@@ -62,21 +60,23 @@ bool CameraEvidence::is_fixed(size_t frame) const {
   return fixed_.contains({frames_[frame].split, frames_[frame].view});
 }
 
-size_t CameraEvidence::repeated_times(const Frames& frames) const {
+size_t CameraEvidence::repeated_times(const FrameNumbers& frames) const {
   std::set<int> times;
   for (const size_t i : frames) times.insert(times_[i]);
   return frames.size() - times.size();
 }
 
-size_t CameraEvidence::repeated_times_of(const CameraLabels& labels, const Frames& frames) const {
+size_t CameraEvidence::repeated_times_of(const CameraLabels& labels,
+                                         const FrameNumbers& frames) const {
   size_t repeated = 0;
   for (const auto& [label, group] : by_label(labels, frames)) repeated += repeated_times(group);
   return repeated;
 }
 
 /// How many of `frames` have a fixed view that is under several labels.
-size_t CameraEvidence::scattered_views(const CameraLabels& labels, const Frames& frames) const {
-  std::map<int, Frames> views;
+size_t CameraEvidence::scattered_views(const CameraLabels& labels,
+                                       const FrameNumbers& frames) const {
+  std::map<int, FrameNumbers> views;
   for (const size_t i : frames)
     if (is_fixed(i)) views[frames_[i].view].push_back(i);
   size_t scattered = 0;
@@ -86,8 +86,8 @@ size_t CameraEvidence::scattered_views(const CameraLabels& labels, const Frames&
 }
 
 /// Whether a few views come in turns, as those of several cameras do whose clocks differ.
-bool CameraEvidence::mixes_views(const Frames& group) const {
-  Frames order = group;
+bool CameraEvidence::mixes_views(const FrameNumbers& group) const {
+  FrameNumbers order = group;
   std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return times_[a] < times_[b]; });
   std::set<int> left;  // views that another one came after
   std::set<int> views{frames_[order.front()].view};
@@ -98,14 +98,14 @@ bool CameraEvidence::mixes_views(const Frames& group) const {
     returned += left.contains(view);
     views.insert(view);
   }
-  return kFew * returned > order.size() && order.size() >= 3 * views.size();
+  return kFewOfCamera * returned > order.size() && order.size() >= 3 * views.size();
 }
 
 /// Whether the numbered names in a group are those of several cameras: each has a number once and
 /// most numbers come under several names at the same part of the clip, or views come in turns and
 /// each name has one.
-bool CameraEvidence::names_several(const Frames& group) const {
-  std::map<std::string, Frames> series;
+bool CameraEvidence::names_several(const FrameNumbers& group) const {
+  std::map<std::string, FrameNumbers> series;
   std::map<int64_t, std::set<std::string>> names;
   for (const size_t i : group) {
     if (numbered_[i].number < 0) return false;
@@ -131,8 +131,8 @@ bool CameraEvidence::names_several(const Frames& group) const {
 
 bool CameraEvidence::listing_holds() const {
   for (const auto& [split, open] : open_) {
-    if (kFew * repeated_times_of(listing_, open) > open.size()) return false;
-    if (kFew * scattered_views(listing_, open) > open.size()) return false;
+    if (kFewOfCamera * repeated_times_of(listing_, open) > open.size()) return false;
+    if (kFewOfCamera * scattered_views(listing_, open) > open.size()) return false;
     for (const auto& [label, group] : by_label(listing_, open))
       if (names_several(group)) return false;
   }
@@ -140,7 +140,7 @@ bool CameraEvidence::listing_holds() const {
 }
 
 bool CameraEvidence::names_hold(const CameraLabels& labels) const {
-  Frames all;
+  FrameNumbers all;
   for (const auto& [split, open] : open_) {
     all.insert(all.end(), open.begin(), open.end());
     if (repeated_times_of(labels, open) > 0 || scattered_views(labels, open) > 0) return false;

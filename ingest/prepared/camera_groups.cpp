@@ -8,25 +8,22 @@
 namespace tessera {
 namespace {
 
-using Frames = CameraEvidence::Frames;
-using Cameras = std::map<std::string, Frames>;  // by label
-
 /// Cameras as labels, and what told them.
 struct LabelledCameras {
   CameraLabels labels;
   std::string why;
 };
 
-Frames open_frames(const CameraEvidence& evidence) {
-  Frames all;
+FrameNumbers open_frames(const CameraEvidence& evidence) {
+  FrameNumbers all;
   for (const auto& [split, open] : evidence.open()) all.insert(all.end(), open.begin(), open.end());
   return all;
 }
 
 /// Whether a reading of the names has cameras' names for all frames, and two of them. Numbers alone
 /// are those of frames as well.
-bool says_cameras(const CameraLabels& reading, const Frames& frames) {
-  const Cameras cameras = by_label(reading, frames);
+bool says_cameras(const CameraLabels& reading, const FrameNumbers& frames) {
+  const LabelGroups cameras = by_label(reading, frames);
   return cameras.size() > 1 && std::all_of(cameras.begin(), cameras.end(), [](const auto& camera) {
            return is_camera_name(camera.first) &&
                   camera.first.find_first_not_of("0123456789_") != std::string::npos;
@@ -41,7 +38,7 @@ LabelledCameras cameras_by_view(const std::vector<UngroupedFrame>& frames,
   const std::set<int> fixed = evidence.fixed_views();
   size_t alone = 0;
   for (const auto& [split, open] : evidence.open()) {
-    Frames others;
+    FrameNumbers others;
     for (const size_t i : open)
       if (fixed.contains(frames[i].view))
         found.labels[i] = fmt::format("view {}", frames[i].view);
@@ -53,7 +50,7 @@ LabelledCameras cameras_by_view(const std::vector<UngroupedFrame>& frames,
                                : fmt::format("split {} view {}", int(split), frames[i].view);
     if (!is_one) alone += others.size();
   }
-  const Frames all = open_frames(evidence);
+  const FrameNumbers all = open_frames(evidence);
   if (2 * alone > all.size())
     found.why =
         "because several have one time, and neither poses nor names tell which are of one camera";
@@ -64,10 +61,10 @@ LabelledCameras cameras_by_view(const std::vector<UngroupedFrame>& frames,
 }
 
 /// camera_0 … in the order of the first names of their frames; `taken` are left out.
-void number_cameras(const std::vector<UngroupedFrame>& frames, const Cameras& cameras,
+void number_cameras(const std::vector<UngroupedFrame>& frames, const LabelGroups& cameras,
                     const std::set<std::string>& taken, std::vector<std::string>& names) {
   const auto by_name = [&](size_t a, size_t b) { return frames[a].name < frames[b].name; };
-  std::map<std::string, const Frames*> by_first;
+  std::map<std::string, const FrameNumbers*> by_first;
   for (const auto& [label, group] : cameras)
     by_first[frames[*std::min_element(group.begin(), group.end(), by_name)].name] = &group;
   size_t number = 0;
@@ -79,7 +76,8 @@ void number_cameras(const std::vector<UngroupedFrame>& frames, const Cameras& ca
 }
 
 /// Whether the reading has a name for each camera that no other has.
-bool names_all(const CameraLabels& reading, const Cameras& cameras, std::set<std::string> taken) {
+bool names_all(const CameraLabels& reading, const LabelGroups& cameras,
+               std::set<std::string> taken) {
   for (const auto& [label, group] : cameras) {
     const std::string& name = reading[group.front()];
     const bool is_one =
@@ -90,7 +88,7 @@ bool names_all(const CameraLabels& reading, const Cameras& cameras, std::set<std
 }
 
 /// Sets the names of `cameras`: by the first reading that has one for each, else numbers.
-void name_cameras(const std::vector<UngroupedFrame>& frames, const Cameras& cameras,
+void name_cameras(const std::vector<UngroupedFrame>& frames, const LabelGroups& cameras,
                   const std::vector<CameraLabels>& readings, std::vector<std::string>& names) {
   std::set<std::string> taken;
   for (const UngroupedFrame& frame : frames)
@@ -103,7 +101,7 @@ void name_cameras(const std::vector<UngroupedFrame>& frames, const Cameras& came
     for (const size_t i : group) names[i] = (*reading)[i];
 }
 
-std::string note_of(const Cameras& cameras, const std::string& why) {
+std::string note_of(const LabelGroups& cameras, const std::string& why) {
   size_t least = cameras.begin()->second.size(), most = least;
   for (const auto& [label, group] : cameras) {
     least = std::min(least, group.size());
@@ -139,7 +137,7 @@ CameraGroups group_cameras(const std::vector<UngroupedFrame>& frames) {
     found = {*holds,
              evidence.are_views(*holds) ? "by their poses" : "by the names of their images"};
   readings.insert(readings.begin(), groups.cameras);
-  const Cameras cameras = by_label(found.labels, open_frames(evidence));
+  const LabelGroups cameras = by_label(found.labels, open_frames(evidence));
   name_cameras(frames, cameras, readings, groups.cameras);
   groups.regrouped = true;
   groups.note = note_of(cameras, found.why);

@@ -46,11 +46,11 @@ CameraLabels folder_labels(const std::vector<std::string>& names) {
   return labels;
 }
 
-std::string stem_of(const std::string& name) {
+std::string file_stem(const std::string& name) {
   return name.substr(name.rfind('/') + 1);
 }
 
-std::string joined(const std::string& folder, const std::string& camera) {
+std::string joined_label(const std::string& folder, const std::string& camera) {
   return folder.empty() || camera.empty() ? folder + camera : folder + "_" + camera;
 }
 
@@ -65,10 +65,10 @@ std::string last_number(const std::string& stem) {
 std::vector<CameraLabels> camera_labels(const std::vector<std::string>& names) {
   CameraLabels folders = folder_labels(names), before_number, both, whole, last;
   for (size_t i = 0; i < names.size(); ++i) {
-    const std::string stem = stem_of(names[i]);
+    const std::string stem = file_stem(names[i]);
     const auto numbered = parse_stem(stem);
     before_number.push_back(numbered ? numbered->camera : "");
-    both.push_back(joined(folders[i], before_number.back()));
+    both.push_back(joined_label(folders[i], before_number.back()));
     whole.push_back(stem);
     last.push_back(last_number(stem));
   }
@@ -80,9 +80,10 @@ std::vector<NumberedName> numbered_names(const std::vector<std::string>& names) 
   const CameraLabels folders = folder_labels(names);
   std::vector<NumberedName> numbered;
   for (size_t i = 0; i < names.size(); ++i) {
-    const auto parsed = parse_stem(stem_of(names[i]));
-    numbered.push_back(parsed ? NumberedName{joined(folders[i], parsed->camera), parsed->number}
-                              : NumberedName{joined(folders[i], stem_of(names[i])), -1});
+    const auto parsed = parse_stem(file_stem(names[i]));
+    numbered.push_back(parsed
+                           ? NumberedName{joined_label(folders[i], parsed->camera), parsed->number}
+                           : NumberedName{joined_label(folders[i], file_stem(names[i])), -1});
   }
   return numbered;
 }

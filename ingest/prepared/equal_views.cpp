@@ -11,11 +11,11 @@
 namespace tessera {
 namespace {
 
-constexpr double kNoise = 1e-5;  // of a float after the arithmetic of an export
+constexpr double kFloatNoise = 1e-5;  // of a float after the arithmetic of an export
 
 bool is_near(const std::optional<double>& a, const std::optional<double>& b) {
   if (!a || !b) return a.has_value() == b.has_value();
-  return std::abs(*a - *b) <= kNoise * std::max(std::abs(*a), std::abs(*b));
+  return std::abs(*a - *b) <= kFloatNoise * std::max(std::abs(*a), std::abs(*b));
 }
 
 bool has_equal_intrinsics(const StatedIntrinsics& a, const StatedIntrinsics& b) {
@@ -27,7 +27,7 @@ bool has_equal_intrinsics(const StatedIntrinsics& a, const StatedIntrinsics& b) 
 bool has_equal_rotation(const Camera& a, const Camera& b) {
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r)
-      if (std::abs(a.cam_from_world[c][r] - b.cam_from_world[c][r]) > kNoise) return false;
+      if (std::abs(a.cam_from_world[c][r] - b.cam_from_world[c][r]) > kFloatNoise) return false;
   return true;
 }
 
@@ -55,7 +55,7 @@ double extent_of(const std::vector<glm::dvec3>& centres) {
 std::vector<int> view_numbers(const std::vector<TransformsFrame>& frames) {
   std::vector<glm::dvec3> centres;
   for (const TransformsFrame& frame : frames) centres.push_back(frame.camera.position());
-  const double tolerance = kNoise * extent_of(centres);
+  const double tolerance = kFloatNoise * extent_of(centres);
   std::multimap<double, size_t> first_frames;  // of the views, by the x of their centres
   std::vector<int> numbers(frames.size(), -1);
   for (const size_t i : order_of_names(frames)) {

@@ -55,7 +55,7 @@ constexpr std::array<TimeKey, 23> kTimeKeys{{
 }};
 
 /// A number, or text that is one and nothing else.
-std::optional<double> number_of(const json& value) {
+std::optional<double> number_in(const json& value) {
   if (value.is_number()) return value.get<double>();
   if (!value.is_string()) return std::nullopt;
   const auto& text = value.get_ref<const std::string&>();
@@ -111,7 +111,7 @@ void note_static(TransformsCapture& capture, const ViewsOverTime& views) {
 std::optional<double> stated_time(const json& entry, const std::string& where) {
   const auto found = entry.find("time");
   if (found == entry.end() || !found->is_string()) return finite_number(entry, "time", where);
-  const std::optional<double> number = number_of(*found);
+  const std::optional<double> number = number_in(*found);
   if (!number || !std::isfinite(*number))
     throw InputError(fmt::format("{}: time is \"{}\", expected a finite number; correct it", where,
                                  found->get<std::string>()));
@@ -122,7 +122,7 @@ std::map<std::string, double> other_times_of(const json& entry) {
   std::map<std::string, double> values;
   for (const TimeKey& key : kTimeKeys)
     if (const auto found = entry.find(key.name); found != entry.end())
-      values[key.name] = number_of(*found).value_or(std::numeric_limits<double>::quiet_NaN());
+      values[key.name] = number_in(*found).value_or(std::numeric_limits<double>::quiet_NaN());
   return values;
 }
 

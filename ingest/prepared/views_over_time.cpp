@@ -95,10 +95,11 @@ size_t ViewsOverTime::sharing(const std::string& key) const {
   std::map<double, Frames> by_value;
   for (size_t i = 0; i < frames_.size(); ++i) by_value[value(i, key)].push_back(i);
   size_t count = 0;
-  for (const auto& [value, group] : by_value)
-    if (std::any_of(group.begin(), group.end(),
-                    [&](size_t i) { return views_[i] != views_[group.front()]; }))
+  for (const auto& [value, group] : by_value) {
+    const int view = views_[group.front()];
+    if (std::any_of(group.begin(), group.end(), [&](size_t i) { return views_[i] != view; }))
       count += group.size();
+  }
   return count;
 }
 
