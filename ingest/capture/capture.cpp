@@ -15,13 +15,13 @@ void take_origin_out(Capture& capture) {
   std::vector<glm::dvec3> centres;
   for (const RigClip& clip : capture.clips) centres.push_back(clip.camera->camera.position());
   for (const CaptureFrame& frame : capture.frames) centres.push_back(frame.frame.camera.position());
-  capture.origin = far_origin(centres);
-  const Similarity change = less(capture.origin);
+  const Similarity change = less(far_origin(centres));
   for (RigClip& clip : capture.clips)
     clip.camera->camera = camera_in_world(change, clip.camera->camera);
   for (CaptureFrame& frame : capture.frames)
     frame.frame.camera = camera_in_world(change, frame.frame.camera);
-  capture.prepared_from_source = compose(change, capture.prepared_from_source);
+  capture.origin -= change.translation;
+  capture.prepared_from_source = compose(less(capture.origin), capture.prepared_from_source);
 }
 
 std::vector<std::string> clip_names(const Capture& capture) {

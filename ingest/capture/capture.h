@@ -69,6 +69,7 @@ struct Capture {
   std::vector<char> held_out;    // one a clip, once that is chosen
   std::filesystem::path photos;  // the folder of a photo set; empty of others
   bool posed = true;             // every clip or frame has a pose
+  std::string unused_poses;      // why poses that lie there are not used; may be empty
   std::vector<CaptureCamera> cameras;
   std::vector<StatedView> views;
   std::vector<CaptureFrame> frames;
@@ -99,7 +100,8 @@ struct Capture {
   std::vector<SourceFile> sources;
 };
 
-/// Takes the far_origin() of all poses, which are stated, out of them.
+/// Takes the far_origin() of all poses, which are stated, out of them, beside `origin` that was taken
+/// out already.
 void take_origin_out(Capture& capture);
 
 std::vector<std::string> clip_names(const Capture& capture);

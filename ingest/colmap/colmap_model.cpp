@@ -125,9 +125,13 @@ void drop_infinite_points(PointCloud& points, const std::string& where,
 
 }  // namespace
 
+bool has_colmap_cameras(const std::filesystem::path& folder) {
+  return !model_kind(folder).empty();
+}
+
 std::filesystem::path find_colmap_model(const std::filesystem::path& capture) {
   for (const auto& folder : {capture / "sparse" / "0", capture / "sparse"})
-    if (!model_kind(folder).empty()) return folder;
+    if (has_colmap_cameras(folder)) return folder;
   // beside the images, as RealityScan's flat export has it
   const std::string kind = model_kind(capture);
   const bool is_model = !kind.empty() && !file_of_model(capture, "images" + kind).empty();

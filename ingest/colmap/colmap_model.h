@@ -27,6 +27,9 @@ struct ColmapModel {
   std::vector<std::string> warnings;         // one line each
 };
 
+/// True where cameras.bin or cameras.txt, in any case, lies directly in `folder`.
+bool has_colmap_cameras(const std::filesystem::path& folder);
+
 /// `capture`/sparse/0 or `capture`/sparse, the first that has cameras.bin or cameras.txt, in any
 /// case; else `capture` where it has these, the list of images and the images themselves. An empty
 /// path where none has.

@@ -1,4 +1,5 @@
-// Determines the layout by the names of the files; their contents are not read.
+// Determines the layout by the names of the files; contents are read where poses decide: rows of
+// LLFF, and the names of photos in a COLMAP model.
 #include "ingest/layouts/capture_layout.h"
 
 #include <fmt/format.h>
@@ -6,6 +7,7 @@
 #include <algorithm>
 #include <array>
 
+#include "ingest/calibration/model_photos.h"
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/files/folders.h"
 #include "ingest/images/image_paths.h"
@@ -98,6 +100,18 @@ bool has_image_rig(const fs::path& capture, std::optional<ImageLayout> image_lay
           : "one scene that stands still"));
 }
 
+/// Whether `capture` has a COLMAP model of photos. Beside videos or image sequences whose frames it
+/// does not name it is the calibration of these.
+bool has_posed_photos(const fs::path& capture, std::optional<ImageLayout> image_layout) {
+  const fs::path model = find_colmap_model(capture);
+  if (model.empty()) return false;
+  const bool has_videos = !videos_in(capture).empty();
+  const std::vector<fs::path> folders = photo_folders(capture);
+  if (folders.empty()) return !has_videos && !has_image_rig(capture, image_layout);
+  if (!has_videos && find_image_sequences(capture).evidence == RigEvidence::kNone) return true;
+  return names_photos(model, folders);
+}
+
 bool is_sequences(std::optional<ImageLayout> image_layout) {
   return image_layout && *image_layout != ImageLayout::kPhotos;
 }
@@ -110,7 +124,7 @@ CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageLayout> 
   if (has_transforms(capture)) return CaptureLayout::kTransforms;
   const bool has_videos = !videos_in(capture).empty();
   if (has_videos && fs::exists(capture / "poses_bounds.npy")) return CaptureLayout::kN3dv;
-  if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
+  if (has_posed_photos(capture, image_layout)) return CaptureLayout::kColmap;
   if (!has_videos && has_image_rig(capture, image_layout)) return CaptureLayout::kSequences;
   const bool has_photos = has_images(capture);
   if (has_photos && fs::exists(capture / "poses_bounds.npy")) return CaptureLayout::kLlff;
@@ -128,6 +142,18 @@ CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageLayout> 
       capture.string()));
 }
 
+namespace {
+
+/// Whether it is stated where the photos of the capture's COLMAP model lie.
+bool states_photos(const fs::path& capture, const IngestOptions& options) {
+  if (options.images.empty() || options.image_layout || !fs::is_directory(capture)) return false;
+  if (!options.poses.source.empty() && options.poses.source != "colmap") return false;
+  const bool is_n3dv = !videos_in(capture).empty() && fs::exists(capture / "poses_bounds.npy");
+  return !is_n3dv && !has_transforms(capture) && !find_colmap_model(capture).empty();
+}
+
+}  // namespace
+
 CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
   const std::string& poses = options.poses.source;
   if (options.layout) return *options.layout;
@@ -137,6 +163,7 @@ CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
   if (of_cameras && !image_layout && fs::is_directory(capture) && videos_in(capture).empty() &&
       find_image_sequences(capture).evidence != RigEvidence::kNone)
     image_layout = ImageLayout::kRig;
+  if (states_photos(capture, options)) return CaptureLayout::kColmap;
   const CaptureLayout detected = detect_layout(capture, image_layout);
   if (options.sample && detected == CaptureLayout::kTransforms &&
       !find_colmap_model(capture).empty())
@@ -152,12 +179,13 @@ CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
         capture.string()));
   }
   if (poses == "colmap") {
-    if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
+    if (has_posed_photos(capture, image_layout)) return CaptureLayout::kColmap;
     return has_videos ? CaptureLayout::kVideos : CaptureLayout::kPhotos;
   }
-  if (!fs::is_regular_file(poses))
+  if (!fs::exists(poses))
     throw InputError(fmt::format(
-        "--poses '{}': no such file; expected n3dv, llff, colmap or a file of cameras", poses));
+        "--poses '{}': no such file; expected n3dv, llff, colmap or a file or folder of cameras",
+        poses));
   if (!has_videos)
     throw InputError(fmt::format(
         "{}: has neither videos nor numbered images of several cameras, and --poses {} is for "

@@ -1,10 +1,11 @@
-// Matches stated poses to clips by row or by name, and reads the timelines of those that are taken.
+// Gives clips the cameras that a calibration states, and reads the timelines of those that are taken.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
+#include "ingest/calibration/stated_cameras.h"
 #include "ingest/layouts/image_sequences.h"
-#include "ingest/poses/llff_poses.h"
 #include "ingest/poses/rig_poses_file.h"
 #include "ingest/steps/kept_frames.h"
 #include "ingest/steps/left_out_clips.h"
@@ -19,37 +20,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kLlffFile = "poses_bounds.npy";
-
-/// Row i of the file is video i by name, of all videos that are there.
-void pose_by_row(const fs::path& file, std::vector<RigClip>& clips) {
-  const std::vector<LlffPose> poses = read_llff_poses(file);
-  if (poses.size() != clips.size())
-    throw InputError(fmt::format(
-        "{}: has {} rows, the folder has {} videos; remove the videos without a pose or add the "
-        "missing ones",
-        file.string(), poses.size(), clips.size()));
-  for (size_t i = 0; i < clips.size(); ++i)
-    clips[i].camera = RigCamera{clips[i].name, poses[i].camera, {}, "PINHOLE"};
+/// Cameras of all clips, those that are left out later, too: rows count all. Returns why what lies
+/// there is not used, in one line, where no camera is stated.
+std::optional<StatedCameras> take_stated_cameras(const IngestOptions& options, Capture& capture) {
+  std::vector<std::string> unused;
+  std::optional<StatedCameras> stated = stated_cameras(
+      capture.folder, options.poses.source, clip_names(capture), options.cameras, unused);
+  capture.warnings.insert(capture.warnings.end(), unused.begin(), unused.end());
+  if (stated)
+    for (size_t i = 0; i < capture.clips.size(); ++i)
+      capture.clips[i].camera = std::move(stated->cameras[i]);
+  else
+    capture.unused_poses = fmt::format("{}", fmt::join(unused, "; "));
+  return stated;
 }
 
-void pose_by_name(const fs::path& file, bool strict, Capture& capture) {
-  std::string missing;
-  auto cameras = find_rig_cameras(file, clip_names(capture), missing);
+/// Leaves out the clips for which `stated` has no camera.
+void leave_out_unposed(const StatedCameras& stated, bool strict, Capture& capture) {
   std::vector<char> posed;
-  for (size_t i = 0; i < cameras.size(); ++i) {
-    posed.push_back(cameras[i].has_value());
-    capture.clips[i].camera = std::move(cameras[i]);
+  std::vector<std::string> missing;
+  for (const RigClip& clip : capture.clips) {
+    posed.push_back(clip.camera.has_value());
+    if (!clip.camera) missing.push_back(clip.name);
   }
-  if (!missing.empty())
-    leave_out_clips(missing, missing + ": " + kUnposedRemedy, posed, strict, capture);
-}
-
-/// The file that states the poses; empty where none does.
-fs::path pose_file(const fs::path& folder, const std::string& source) {
-  const fs::path llff = folder / kLlffFile;
-  if (source == "colmap" || (source.empty() && !fs::exists(llff))) return {};
-  return source.empty() || source == "n3dv" || source == "llff" ? llff : fs::path(source);
+  if (missing.empty()) return;
+  const std::string seen = fmt::format("{}: has no camera for {}; it has {}", stated.path.string(),
+                                       listed_names(missing), listed_names(stated.stated_names));
+  leave_out_clips(seen,
+                  seen + ": rename them alike, or leave those without a pose out of the capture",
+                  posed, strict, capture);
 }
 
 /// Only the named cameras, in order of their names.
@@ -114,29 +113,36 @@ void fit_sizes(std::vector<RigClip>& clips) {
                                           clip.timeline.height, clip.video.string());
 }
 
+/// The world is that of the calibration, and so are its points; without any, those of the folder.
+void take_poses(StatedCameras stated, bool strict, Capture& capture) {
+  fit_sizes(capture.clips);
+  leave_out_bad_lenses(strict, capture);
+  capture.origin = stated.origin;
+  take_origin_out(capture);
+  capture.posed = true;
+  for (const fs::path& file : stated.files)
+    capture.files.emplace_back(file.filename().string(), file);
+  if (!stated.note.empty()) capture.notes.push_back(std::move(stated.note));
+  if (stated.points.position.empty())
+    capture.points_file = "";
+  else
+    capture.points = std::move(stated.points);
+  if (capture.layout == "videos") capture.layout = "n3dv";
+}
+
 }  // namespace
 
 Capture open_clips(Capture capture, const StepContext& context) {
   if (capture.clips.empty()) return capture;
   const IngestOptions& options = context.options;
-  const fs::path poses = pose_file(capture.folder, options.poses.source);
-  const bool by_row = poses.filename() == kLlffFile;
-  if (by_row) pose_by_row(poses, capture.clips);  // rows count the videos that are left out, too
+  std::optional<StatedCameras> stated = take_stated_cameras(options, capture);
   choose_cameras(options.cameras, capture);
-  if (!poses.empty() && !by_row) pose_by_name(poses, options.strict, capture);
+  if (stated) leave_out_unposed(*stated, options.strict, capture);
   read_timelines(options, capture);
-  if (!poses.empty()) {
-    fit_sizes(capture.clips);
-    leave_out_bad_lenses(options.strict, capture);
-    take_origin_out(capture);
-    capture.posed = true;
-    capture.files.emplace_back(poses.filename().string(), poses);
-    capture.points_file = "";
-    if (capture.layout == "videos") capture.layout = "n3dv";
-  }
   if (options.layout == CaptureLayout::kSequences)
     capture.notes.push_back(fmt::format("{}: {}", capture.folder.string(),
                                         reading_text(capture.clips.size(), *options.image_rate)));
+  if (stated) take_poses(std::move(*stated), options.strict, capture);
   hold_out(options, capture);
   check_clips(capture, options);
   return capture;

@@ -6,23 +6,12 @@
 #include "ingest/checks/orientation.h"
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/steps/left_out_clips.h"
+#include "ingest/steps/pose_hints.h"
 #include "ingest/steps/steps.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
-
-/// What explains why no poses were found: images of other shapes, or images that are none of a
-/// rig's.
-std::string hints(const Capture& capture) {
-  std::vector<std::pair<int, int>> sizes;
-  for (const RigClip& clip : capture.clips)
-    sizes.emplace_back(clip.timeline.width, clip.timeline.height);
-  const std::string mixed = mixed_orientation(clip_names(capture), sizes);
-  std::string text;
-  if (!mixed.empty()) text = "; " + mixed + ": check whether their videos lack a rotation flag";
-  return capture.notes.empty() ? text : text + "; " + capture.notes.front();  // how it is read
-}
 
 PoseEstimate estimate_of(const Capture& capture, const StepContext& context) {
   const IngestOptions& options = context.options;
@@ -30,7 +19,7 @@ PoseEstimate estimate_of(const Capture& capture, const StepContext& context) {
     return estimate_rig(capture.clips, capture.held_out, options.work / "colmap", options.poses,
                         context.progress);
   } catch (const InputError& error) {
-    throw InputError(error.what() + hints(capture));
+    throw InputError(error.what() + pose_hints(capture));
   }
 }
 
@@ -60,6 +49,18 @@ Capture pose_cameras(Capture capture, const StepContext& context) {
   capture.points = std::move(estimate.points);
   capture.posed = true;
   return capture;
+}
+
+std::string pose_hints(const Capture& capture) {
+  std::vector<std::pair<int, int>> sizes;
+  for (const RigClip& clip : capture.clips)
+    sizes.emplace_back(clip.timeline.width, clip.timeline.height);
+  std::string hints;
+  if (const std::string mixed = mixed_orientation(clip_names(capture), sizes); !mixed.empty())
+    hints += "; " + mixed + ": check whether their videos lack a rotation flag";
+  if (!capture.unused_poses.empty()) hints += "; " + capture.unused_poses;
+  if (!capture.notes.empty()) hints += "; " + capture.notes.front();  // how it is read
+  return hints;
 }
 
 }  // namespace tessera

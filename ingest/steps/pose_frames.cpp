@@ -6,6 +6,7 @@
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/layouts/layout_readers.h"
+#include "ingest/steps/pose_hints.h"
 #include "ingest/steps/prepared_image.h"
 #include "ingest/steps/sample.h"
 #include "ingest/steps/steps.h"
@@ -93,7 +94,7 @@ Capture pose_moving_clip(Capture capture, const StepContext& context) {
   try {
     pose_photos(true, context, capture);
   } catch (const InputError& error) {
-    throw InputError(error.what() + (capture.notes.empty() ? "" : "; " + capture.notes.front()));
+    throw InputError(error.what() + pose_hints(capture));
   }
   capture.tone_map = tone_map;
   set_clip_times(clip, ticks, capture);

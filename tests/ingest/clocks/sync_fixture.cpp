@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "ingest/calibration/stated_cameras.h"
 #include "ingest/poses/rig_poses_file.h"
 
 namespace tessera::testing {
@@ -16,9 +17,10 @@ namespace {
 void pose_by_file(const fs::path& file, std::vector<RigClip>& clips) {
   std::vector<std::string> names;
   for (const RigClip& clip : clips) names.push_back(clip.name);
-  const std::vector<RigCamera> cameras = read_rig_cameras(file, names);
+  std::vector<std::string> warnings;
+  const auto stated = stated_cameras(file.parent_path(), file.string(), names, {}, warnings);
   for (size_t i = 0; i < clips.size(); ++i) {
-    RigCamera& camera = clips[i].camera.emplace(cameras[i]);
+    RigCamera& camera = clips[i].camera.emplace(stated->cameras[i].value());
     const VideoTimeline& timeline = clips[i].timeline;
     camera.camera = camera_of_image(camera.camera, timeline.width, timeline.height, clips[i].name);
   }

@@ -1,9 +1,8 @@
-// Files of cameras, and the assignment of their cameras to a rig by name.
+// JSON files of cameras, and their intrinsics in the size of an image.
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "ingest/poses/llff_poses.h"
 #include "ingest/poses/pose_matrix.h"
 #include "ingest/poses/rig_poses_file.h"
 #include "tests/ingest/layouts/capture_fixture.h"
@@ -50,7 +49,7 @@ TEST(RigPosesFile, OpenCvPosesAndLens) {
     entry["t_w2c"].push_back(-glm::dot(axis, kStand.centre));
   }
   write_bytes(folder / "cameras.json", json{{"cameras", {entry}}}.dump());
-  const auto cameras = read_rig_cameras(folder / "cameras.json", {"b"});
+  const auto cameras = read_rig_json(folder / "cameras.json");
   ASSERT_EQ(cameras.size(), 1u);
   EXPECT_EQ(cameras[0].name, "b");
   EXPECT_EQ(cameras[0].camera.width, 120);
@@ -76,23 +75,25 @@ TEST(RigPosesFile, TransformsByNameWithSharedIntrinsics) {
                      {"k1", 0.2}},
                     {{"name", "unused"}, {"transform_matrix", gl_matrix(kStand)}}};
   write_bytes(folder / "t.json", file.dump());
-  const auto cameras = read_rig_cameras(folder / "t.json", {"b", "a"});
-  ASSERT_EQ(cameras.size(), 2u);
-  expect_stands(cameras[0].camera, kStand);
-  expect_stands(cameras[1].camera, other);
-  EXPECT_EQ(cameras[0].camera.fl_x, 300);
-  EXPECT_EQ(cameras[1].camera.fl_x, 100);
-  EXPECT_EQ(cameras[0].lens.k1, 0.2);
-  EXPECT_EQ(cameras[1].lens.k1, 0.1);
+  const auto cameras = read_rig_json(folder / "t.json");
+  ASSERT_EQ(cameras.size(), 3u);
+  EXPECT_EQ(cameras[0].name, "images/a");
+  EXPECT_EQ(cameras[1].name, "b");
+  EXPECT_EQ(cameras[2].name, "unused");
+  expect_stands(cameras[0].camera, other);
+  expect_stands(cameras[1].camera, kStand);
+  EXPECT_EQ(cameras[0].camera.fl_x, 100);
+  EXPECT_EQ(cameras[1].camera.fl_x, 300);
+  EXPECT_EQ(cameras[0].lens.k1, 0.1);
+  EXPECT_EQ(cameras[1].lens.k1, 0.2);
 }
 
 TEST(RigPosesFile, ReportTheError) {
   const TemporaryFolder folder;
   const auto refused = [&](const json& file, const std::vector<std::string>& parts) {
     write_bytes(folder / "c.json", file.dump());
-    expect_input_error([&] { read_rig_cameras(folder / "c.json", {"a", "b", "c"}); }, parts);
+    expect_input_error([&] { read_rig_json(folder / "c.json"); }, parts);
   };
-  refused({{"cameras", {whole_entry()}}}, {"no camera for a, c", "it has b"});
   refused(json::object(), {"no list 'cameras' or 'frames'"});
   refused({{"cameras", {7}}}, {"camera 0", "no object"});
   json entry = whole_entry();
@@ -104,26 +105,12 @@ TEST(RigPosesFile, ReportTheError) {
   entry["R_w2c"] = {{1, 0, 0}, {0, 1, 0}};
   refused({{"cameras", {entry}}}, {"R_w2c is not 9 finite numbers"});
   entry["R_w2c"] = {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
-  refused({{"cameras", {entry}}}, {"t_w2c is not 3"});
+  refused({{"cameras", {entry}}}, {"R_w2c and no translation", "t_w2c"});
   entry["t_w2c"] = {0, 0, 0};
   refused({{"cameras", {entry}}}, {"camera 0 (b)", "mirror"});
   entry = whole_entry();
   entry["transform_matrix"] = gl_matrix(looking_at_origin({1, 1, 1}));
   refused({{"cameras", {whole_entry(), entry}}}, {"'b' with different poses"});
-}
-
-TEST(RigPosesFile, LlffRowsGoByTheOrderOfNames) {
-  const TemporaryFolder folder;
-  LlffPose first, second;
-  first.camera = {64, 48, 50, 50, 32, 24, glm::dmat3(1), {0, 0, 1}};
-  second.camera = first.camera;
-  second.camera.translation = {1, 2, 3};
-  write_llff_poses(folder / "p.npy", {first, second});
-  const auto cameras = read_rig_cameras(folder / "p.npy", {"x", "y"});
-  EXPECT_EQ(cameras[1].name, "y");
-  expect_same_camera(cameras[1].camera, second.camera, 1e-12);
-  expect_input_error([&] { read_rig_cameras(folder / "p.npy", {"x"}); },
-                     {"has 2 rows, there are 1 cameras (x)"});
 }
 
 // Bug put back: a cut image scaled; seen to fail.
@@ -138,22 +125,6 @@ TEST(RigPosesFile, IntrinsicsForTheImagesSize) {
   for (const auto& [width, height] : {std::pair{1072, 1920}, {1090, 1920}, {1080, 1912}})
     expect_input_error([&, w = width, h = height] { camera_of_image(stated, w, h, "cam01"); },
                        {"cam01", "calibrated at 1088x1920"});
-}
-
-TEST(RigPosesFile, RealRigs) {
-  TESSERA_NEED_DATA(studio, "studio");
-  std::vector<std::string> names;
-  for (int i = 0; i < 11; ++i) names.push_back(i < 10 ? "cam0" + std::to_string(i) : "cam10");
-  const auto truth = read_rig_cameras(studio / "ground_truth.json", names);
-  const auto rows = read_rig_cameras(studio / "poses_bounds.npy", names);
-  for (size_t i = 0; i < names.size(); ++i)
-    expect_same_camera(truth[i].camera, rows[i].camera, 1e-6);
-  TESSERA_NEED_DATA(videos, "video_4cam");
-  const auto cameras = read_rig_cameras(videos / "cameras_opencv.json", {"cam01", "cam04"});
-  EXPECT_NEAR(cameras[0].camera.fl_x, 1681.2448, 1e-3);
-  EXPECT_NEAR(cameras[0].lens.k2, 0.139983, 1e-9);
-  // Calib.qca.txt states the centres in mm: z of cam01 is 1896.5.
-  EXPECT_NEAR(cameras[0].camera.position().z, 1.8965, 1e-3);
 }
 
 }  // namespace

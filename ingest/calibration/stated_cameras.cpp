@@ -1,0 +1,114 @@
+// Reads the candidates in their order and matches each with the clips.
+#include "ingest/calibration/stated_cameras.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ingest/calibration/calibration.h"
+#include "ingest/calibration/unused_calibration.h"
+#include "ingest/calibration/view_matching.h"
+#include "ingest/colmap/colmap_model.h"
+#include "ingest/test_views.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRowFile = "poses_bounds.npy";
+
+/// Errors: InputError: no clip has a camera.
+StatedCameras matched(Calibration calibration, const std::vector<std::string>& clips,
+                      std::vector<std::string>& warnings) {
+  StatedCameras stated;
+  stated.path = calibration.path;
+  MatchedViews match;
+  if (calibration.by_row) {
+    if (calibration.cameras.size() != clips.size())
+      throw InputError(fmt::format(
+          "{}: has {} rows, the folder has {} videos; remove the videos without a pose or add the "
+          "missing ones",
+          calibration.path.string(), calibration.cameras.size(), clips.size()));
+    for (size_t i = 0; i < clips.size(); ++i) match.camera.emplace_back(i);
+  } else {
+    match = match_views(calibration.cameras, clips);
+  }
+  if (!match.refusal.empty())
+    throw InputError(fmt::format("{}: {}; call the cameras as the clips, or number both alike",
+                                 calibration.path.string(), match.refusal));
+  for (size_t i = 0; i < clips.size(); ++i) {
+    std::optional<RigCamera>& camera = stated.cameras.emplace_back();
+    if (!match.camera[i]) continue;
+    camera = calibration.cameras[*match.camera[i]];
+    camera->name = clips[i];
+  }
+  for (const RigCamera& camera : calibration.cameras) stated.stated_names.push_back(camera.name);
+  stated.points = std::move(calibration.points);
+  stated.files = std::move(calibration.files);
+  warnings.insert(warnings.end(), calibration.warnings.begin(), calibration.warnings.end());
+  return stated;
+}
+
+/// What may be read without being named, the first before the others.
+std::vector<fs::path> candidates_in(const fs::path& capture, bool models_only) {
+  std::vector<fs::path> found = model_folders(capture);
+  if (models_only) return found;
+  if (const fs::path pair = find_easymocap(capture).intri; !pair.empty()) found.push_back(pair);
+  return found;
+}
+
+/// Errors: InputError: it cannot be read, or one of `wanted` has no camera.
+StatedCameras read_candidate(const fs::path& capture, const fs::path& candidate,
+                             const std::vector<std::string>& clips,
+                             const std::vector<std::string>& wanted,
+                             std::vector<std::string>& warnings) {
+  Calibration calibration = read_calibration(candidate);
+  const std::string form = calibration.form;
+  std::vector<std::string> said;
+  StatedCameras stated = matched(std::move(calibration), clips, said);
+  std::vector<std::string> missing;
+  for (const std::string& name : wanted) {
+    const auto clip = std::find(clips.begin(), clips.end(), name);
+    if (clip != clips.end() && !stated.cameras[size_t(clip - clips.begin())])
+      missing.push_back(name);
+  }
+  if (!missing.empty())
+    throw InputError(fmt::format("{}: has no camera for {}; it has {}", candidate.string(),
+                                 listed_names(missing), listed_names(stated.stated_names)));
+  const std::string place = candidate.lexically_relative(capture).generic_string();
+  stated.note = fmt::format("poses of {} cameras from {} ({})", wanted.size(),
+                            place.empty() || place == "." ? capture.string() : place, form);
+  warnings.insert(warnings.end(), said.begin(), said.end());
+  return stated;
+}
+
+}  // namespace
+
+std::optional<StatedCameras> stated_cameras(const fs::path& capture, const std::string& source,
+                                            const std::vector<std::string>& clips,
+                                            const std::vector<std::string>& wanted,
+                                            std::vector<std::string>& warnings) {
+  const bool is_searched = source.empty() || source == "colmap";
+  if (source == "n3dv" || source == "llff" || (source.empty() && fs::exists(capture / kRowFile))) {
+    StatedCameras rows = matched(read_calibration(capture / kRowFile), clips, warnings);
+    if (source.empty()) note_unused_calibration(capture, rows.files, warnings);
+    return rows;
+  }
+  if (!is_searched) return matched(read_calibration(source), clips, warnings);
+  std::optional<StatedCameras> found;
+  std::vector<fs::path> seen;  // that is used, or warned of
+  for (const fs::path& candidate : candidates_in(capture, source == "colmap")) try {
+      found = read_candidate(capture, candidate, clips, wanted.empty() ? clips : wanted, warnings);
+      seen.insert(seen.end(), found->files.begin(), found->files.end());
+      break;
+    } catch (const InputError& error) {
+      warnings.push_back(fmt::format("{}: this calibration is not used", error.what()));
+      seen.push_back(candidate);
+    }
+  if (source.empty()) note_unused_calibration(capture, seen, warnings);
+  return found;
+}
+
+}  // namespace tessera

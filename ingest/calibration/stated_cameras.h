@@ -1,0 +1,37 @@
+// The cameras of a rig's clips where a calibration states them: the one that is named, or one that
+// lies in the capture and fits.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/poses/lens.h"
+#include "ingest/scene.h"
+
+namespace tessera {
+
+struct StatedCameras {
+  std::filesystem::path path;                     // the calibration, for messages
+  std::vector<std::optional<RigCamera>> cameras;  // one a clip, called as the clip
+  std::vector<std::string> stated_names;          // of all cameras of the calibration
+  PointCloud points;                              // in their world; may be empty
+  std::vector<std::filesystem::path> files;       // that were read
+  std::string note;  // "poses of 6 cameras from sparse_ (COLMAP model)"; empty where it is named
+};
+
+/// The calibration `source` (a file or folder; "n3dv" or "llff": poses_bounds.npy in `capture`), or
+/// what is found in `capture`: where `source` is empty, poses_bounds.npy, a COLMAP model in one of
+/// model_folders(), intri.yml and extri.yml; where it is "colmap", a model alone. The first is
+/// taken that has a camera for each of `wanted` (all of `clips` where it is empty); those before it
+/// are warned of, and so are other files that seem to be calibrations, where `source` is empty.
+/// `clips` are the names of all clips, sorted. Nothing where none is taken. Errors: InputError: a
+/// named calibration, or poses_bounds.npy, that cannot be read or has cameras for no clip or, by
+/// row, for another number of them.
+std::optional<StatedCameras> stated_cameras(const std::filesystem::path& capture,
+                                            const std::string& source,
+                                            const std::vector<std::string>& clips,
+                                            const std::vector<std::string>& wanted,
+                                            std::vector<std::string>& warnings);
+
+}  // namespace tessera
