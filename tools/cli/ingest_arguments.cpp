@@ -75,7 +75,7 @@ void add_camera_options(CLI::App& command, IngestArguments& arguments) {
   command.add_option(
       "--poses", options.poses.source,
       "source of the poses: n3dv or llff (poses_bounds.npy), colmap (an existing model, else "
-      "estimated), or a file of cameras; default: what the folder has");
+      "estimated), or a file or folder of cameras; default: what the folder has");
   command.add_option(
       "--camera-model", options.poses.lens_model,
       "lens model that COLMAP estimates, for example OPENCV; default: the simplest that fits");

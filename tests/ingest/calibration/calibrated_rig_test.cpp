@@ -98,7 +98,7 @@ TEST_F(CalibratedRig, VideosWithAModelInEachPlace) {
   }
 }
 
-// Bug put back: folders of cameras beside sparse taken for photos; seen to fail.
+// Bug put back: the points of the model left out; seen to fail.
 TEST_F(CalibratedRig, ImagesWithANumberedModel) {
   write_images();
   for (const char* place : {"capture/sparse", "capture/sparse_"}) {
@@ -117,7 +117,7 @@ TEST_F(CalibratedRig, ImagesWithANumberedModel) {
   expect_posed(3);
 }
 
-// Bug put back: a model that names photos in `images` taken for a rig's; seen to fail.
+// Bug put back: each model beside clips taken for their calibration; seen to fail.
 TEST_F(CalibratedRig, PhotosWithAModelStayPhotos) {
   write_images();
   const WrittenModel photos = small_colmap_model(4);
@@ -128,14 +128,17 @@ TEST_F(CalibratedRig, PhotosWithAModelStayPhotos) {
   EXPECT_EQ(detect_layout(folder_ / "capture"), CaptureLayout::kColmap);
 }
 
-// Bug put back: an error instead of the estimate; seen to fail. COLMAP is called, which fails.
+// Bug put back: an error where a model that was found does not fit; seen to fail. COLMAP is called,
+// which fails, and the error has the reason.
 TEST_F(CalibratedRig, AModelThatDoesNotFitIsNamedAndPosesAreEstimated) {
   write_images();
   write_colmap_bin(folder_ / "capture/sparse_", model("view{}.png"));
   ingest();
   for (const char* pattern : {"image{}0.png", "photo_{}x.png"}) {
     write_colmap_bin(folder_ / "capture/sparse_", model(pattern));
-    expect_input_error([&] { ingest(); }, {"false"});
+    expect_input_error([&] { ingest(); },
+                       {"/bin/false", "sparse_: has no camera for cam01, cam02, cam03",
+                        "this calibration is not used"});
     expect_input_error([&] { ingest(folder_ / "capture/sparse_"); },
                        {"sparse_: has no camera for cam01, cam02, cam03"});
   }
@@ -166,7 +169,7 @@ json rig_json() {
   return cameras;
 }
 
-// Bugs put back, each seen to fail: files that are not used left unnamed; a line for each of them.
+// Bug put back: files that could be read named as those that cannot; seen to fail.
 TEST_F(CalibratedRig, OtherCalibrationsAreNamedInOneLine) {
   write_images();
   write_colmap_bin(folder_ / "capture/sparse_", model("image{}.png"));

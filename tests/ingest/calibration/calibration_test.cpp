@@ -98,7 +98,7 @@ TEST(Calibration, ColmapModelsByFolderFileAndParent) {
   }
 }
 
-// Bug put back: extri.yml alone looked at; seen to fail.
+// Bug put back: only intri.yml known by its name; seen to fail.
 TEST(Calibration, EasyMocapByFolderAndByEitherFile) {
   const TemporaryFolder folder;
   write_bytes(folder / "intri.yml", kIntri);
@@ -117,7 +117,7 @@ TEST(Calibration, EasyMocapByFolderAndByEitherFile) {
                      {"extri.yml", "belong together"});
 }
 
-// Bug put back: files of one camera named by their place; seen to fail.
+// Bug put back: the camera called as its file with the extension; seen to fail.
 TEST(Calibration, OneFileACamera) {
   const TemporaryFolder folder;
   const json camera = {

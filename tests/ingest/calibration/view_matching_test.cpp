@@ -35,7 +35,7 @@ std::string refusal(const Names& cameras, const Names& clips) {
   return match.refusal;
 }
 
-// Bug put back: names compared with their extension; seen to fail.
+// Bug put back: files compared with their extension; seen to fail.
 TEST(ViewMatching, ByNameWithoutExtensionAndFolder) {
   const Names clips{"cam00", "cam01"};
   for (const Names& cameras : {Names{"cam01", "cam00"},
@@ -49,7 +49,7 @@ TEST(ViewMatching, ByNameWithoutExtensionAndFolder) {
   EXPECT_EQ(matched({"other", "cam01"}, clips), (Names{"-", "cam01"}));
 }
 
-// Bug put back: the order of names for that of numbers; seen to fail.
+// Bug put back: the number looked for behind the extension; seen to fail.
 TEST(ViewMatching, ByNumberOneToOne) {
   EXPECT_EQ(matched({"image1.png", "image10.png", "image2.png"}, {"cam01", "cam02", "cam10"}),
             (Names{"image1.png", "image2.png", "image10.png"}));
@@ -58,7 +58,7 @@ TEST(ViewMatching, ByNumberOneToOne) {
   EXPECT_EQ(matched({"cam9", "cam10"}, {"cam09", "cam10"}), (Names{"cam9", "cam10"}));
 }
 
-// Bug put back: an offset taken where the order fits; seen to fail.
+// Bug put back: cameras taken in the order of their numbers; seen to fail.
 TEST(ViewMatching, AnOffsetIsNotGuessed) {
   const std::string said = refusal({"image1.png", "image2.png"}, {"cam00", "cam01"});
   for (const char* part : {"cam00, cam01", "image1.png, image2.png", "differ by 1"})
@@ -68,8 +68,8 @@ TEST(ViewMatching, AnOffsetIsNotGuessed) {
   EXPECT_THAT(refusal({"a", "b"}, {"cam1", "cam2"}), HasSubstr("no camera for"));
 }
 
-// Bugs put back, each seen to fail: the file's name before the folder's; the numbers of files
-// without those of folders.
+// Bugs put back, each seen to fail: the first of two clips that a name means; the assignments not
+// compared.
 TEST(ViewMatching, WhereRulesDifferNoneIsTaken) {
   EXPECT_THAT(refusal({"cam1/cam2.png", "cam2/cam1.png"}, {"cam1", "cam2"}),
               HasSubstr("'cam1/cam2.png' names cam2 and cam1"));
@@ -78,7 +78,7 @@ TEST(ViewMatching, WhereRulesDifferNoneIsTaken) {
   EXPECT_THAT(said, HasSubstr("it has v1/2.png, v2/1.png"));
 }
 
-// Bug put back: the first image of a folder taken for its camera; seen to fail.
+// Bug put back: the poses of a clip's images not compared; seen to fail.
 TEST(ViewMatching, ImagesOfOneClipMustHaveOnePose) {
   const Names clips{"cam0", "cam1"};
   EXPECT_THAT(refusal({"cam0/0.png", "cam0/1.png", "cam1/0.png"}, clips),

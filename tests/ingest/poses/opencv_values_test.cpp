@@ -39,7 +39,8 @@ json without(json object, const std::vector<std::string>& keys, const json& more
   return object;
 }
 
-// Bugs put back, each seen to fail: no half pixel at the principal point; R transposed.
+// Bugs put back, each seen to fail: no half pixel at the principal point; the matrix of a rotation
+// vector transposed.
 TEST(OpenCvValues, KeysAsPeopleWriteThem) {
   const json flat = {100, 0, 60, 0, 110, 40, 0, 0, 1};
   const json stored = {{"type_id", "opencv-matrix"}, {"rows", 3}, {"cols", 3}, {"data", flat}};
@@ -63,7 +64,7 @@ TEST(OpenCvValues, KeysAsPeopleWriteThem) {
   }
 }
 
-// Bug put back: k3 taken for the third number; seen to fail.
+// Bug put back: the third number taken for k3; seen to fail.
 TEST(OpenCvValues, Coefficients) {
   json each = entry();
   each["dist"] = {0.1, 0.2, 0.03, 0.04, 0.5};
@@ -83,7 +84,8 @@ TEST(OpenCvValues, Coefficients) {
   EXPECT_EQ(read(json::array({each}))[0].lens_model, "PINHOLE");
 }
 
-// Bug put back: R_NAME, a vector, over Rot_NAME; seen to fail with another vector.
+// Bugs put back, each seen to fail: R_NAME, a vector, over Rot_NAME; a camera called as its file
+// with the extension.
 TEST(OpenCvValues, FormsOfFiles) {
   json named = entry();
   named["name"] = "a";
@@ -108,7 +110,7 @@ TEST(OpenCvValues, FormsOfFiles) {
   EXPECT_EQ(read(entry()).at(0).name, "rig");
 }
 
-// Bugs put back, each seen to fail: a transposed K taken; R without T at the origin.
+// Bug put back: a transposed K taken; seen to fail.
 TEST(OpenCvValues, WhatIsRefusedNamesCameraAndKey) {
   const auto refused = [&](const std::vector<std::string>& erased, const json& more,
                            std::vector<std::string> parts) {
@@ -135,7 +137,7 @@ TEST(OpenCvValues, WhatIsRefusedNamesCameraAndKey) {
   refused({"w"}, {{"w", 0.5}}, {"w is 0.5"});
 }
 
-// Bug put back: the size of the principal point not looked at; seen to fail.
+// Bug put back: the place of the principal point not looked at; seen to fail.
 TEST(OpenCvValues, WithoutASizeItIsThatOfTheImage) {
   const Camera stated = read({{"a", without(entry(), {"w", "h"}, json::object())}}).at(0).camera;
   EXPECT_EQ(stated.width, 0);
