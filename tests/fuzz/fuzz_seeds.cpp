@@ -150,6 +150,17 @@ void write_transforms(const fs::path& folder) {
           pose + "}]}");
 }
 
+void write_calibrations(const fs::path& folder) {
+  const std::string k = R"("K": [[50,0,16],[0,51,12],[0,0,1]], "D": [0.1,0,0,0,0])";
+  write_text_file(folder / "list", R"({"cameras": [{"name": "a", )" + k +
+                                       R"(, "rvec": [0,0,1], "tvec": [[1],[2],[3]], "w": 32,
+"h": 24}, {"name": "b", )" + k + R"(, "R": [1,0,0,0,1,0,0,0,1], "T": [1,2,3]}]})");
+  write_text_file(folder / "named", R"({"names": ["01"], "K_01": {"rows": 3, "cols": 3, "data":
+[50,0,16,0,51,12,0,0,1]}, "Rot_01": [1,0,0,0,1,0,0,0,1], "T_01": [0,0,4], "dist_01": [0,0,0,0]})");
+  write_text_file(folder / "one", "{" + k + R"(, "c2w": [[1,0,0,0],[0,1,0,0],[0,0,1,4]],
+"imgsize": [32, 24]})");
+}
+
 void write_requests(const fs::path& folder) {
   const std::string host = "Host: localhost\n",
                     cookie = host + "Cookie: tessera_view_80=0123456789abcdef0123456789abcdef\n";
@@ -178,6 +189,7 @@ int main(int argc, char** argv) {
   write_spz_versions(folder / "spz");
   write_models(folder);
   write_transforms(folder);
+  write_calibrations(folder / "calibration");
   write_requests(folder / "view");
   return 0;
 }
