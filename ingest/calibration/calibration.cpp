@@ -112,7 +112,7 @@ Calibration of_camera_files(const fs::path& folder) {
   return all;
 }
 
-[[noreturn]] void refuse(const fs::path& path, const std::string& seen) {
+[[noreturn]] void refuse_form(const fs::path& path, const std::string& seen) {
   throw InputError(
       fmt::format("{}: {}; poses are read from {}", path.string(), seen, kCalibrationForms));
 }
@@ -125,7 +125,7 @@ Calibration of_folder(const fs::path& folder) {
   if (const fs::path rows = folder / "poses_bounds.npy"; fs::exists(rows)) return of_rows(rows);
   if (const fs::path file = folder / "transforms.json"; fs::exists(file)) return of_file(file);
   Calibration calibration = of_camera_files(folder);
-  if (calibration.cameras.empty()) refuse(folder, "holds no calibration");
+  if (calibration.cameras.empty()) refuse_form(folder, "holds no calibration");
   return calibration;
 }
 
@@ -159,18 +159,18 @@ EasyMocapFiles find_easymocap(const fs::path& folder) {
 Calibration read_calibration(const fs::path& path) {
   std::error_code unreachable;
   if (fs::is_directory(path, unreachable)) return of_folder(path);
-  if (!fs::exists(path, unreachable)) refuse(path, "no such file or folder");
+  if (!fs::exists(path, unreachable)) refuse_form(path, "no such file or folder");
   if (is_file_of_model(path)) return of_model(path.parent_path());
   if (extension_of(path) == ".npy") return of_rows(path);
   const std::string stem = lower_case(path.stem().string());
   if (is_opencv_name(path) && (stem == "intri" || stem == "extri")) {
     const EasyMocapFiles pair = find_easymocap(path.parent_path());
     if (pair.intri.empty())
-      refuse(path, "intri.yml and extri.yml belong together, and one of them is missing");
+      refuse_form(path, "intri.yml and extri.yml belong together, and one of them is missing");
     return of_easymocap(pair);
   }
   if (is_opencv_name(path) || extension_of(path) == ".json") return of_file(path);
-  refuse(path, "is of no form that is read");
+  refuse_form(path, "is of no form that is read");
 }
 
 }  // namespace tessera

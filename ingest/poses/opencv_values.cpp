@@ -68,7 +68,7 @@ std::vector<double> numbers(const Stated& stated, const std::vector<size_t>& cou
   return all;
 }
 
-std::optional<int> pixels(double value, const char* key, const std::string& where) {
+std::optional<int> whole_pixels(double value, const char* key, const std::string& where) {
   if (!(value >= 1 && value <= (1 << 20)) || value != std::floor(value))
     throw InputError(fmt::format("{}: {} is {}, expected a whole number of pixels; correct it",
                                  where, key, value));
@@ -77,14 +77,16 @@ std::optional<int> pixels(double value, const char* key, const std::string& wher
 
 void read_size(const json& object, const std::string& where, StatedIntrinsics& stated) {
   for (const char* key : {"width", "image_width"})
-    if (const auto value = finite_number(object, key, where)) stated.w = pixels(*value, key, where);
+    if (const auto value = finite_number(object, key, where))
+      stated.w = whole_pixels(*value, key, where);
   for (const char* key : {"height", "image_height"})
-    if (const auto value = finite_number(object, key, where)) stated.h = pixels(*value, key, where);
+    if (const auto value = finite_number(object, key, where))
+      stated.h = whole_pixels(*value, key, where);
   const Stated size = find_matrix(object, {"imgsize", "imgSize", "image_size", "img_size"});
   if (!size) return;
   const std::vector<double> sides = numbers(size, {2}, where);
-  stated.w = pixels(sides[0], size.key, where);
-  stated.h = pixels(sides[1], size.key, where);
+  stated.w = whole_pixels(sides[0], size.key, where);
+  stated.h = whole_pixels(sides[1], size.key, where);
 }
 
 bool is_fisheye(const json& object, const std::string& where) {
