@@ -50,7 +50,7 @@ struct IngestOptions {
   std::optional<double> fps;            // videos: frames taken per second; all by default
   std::vector<std::string> cameras;     // videos: those that are taken, by name; all by default
   std::vector<std::string> held_out;    // camera names that become the test split; empty: of
-                                        // several videos the first, as N3DV's protocol has it
+                                        // several videos the innermost, of N3DV the first
   bool fit_exposure = false;            // equalise exposure and white balance of training cameras
   bool allow_static = false;            // accept a capture whose times are all equal
   bool keep_world = false;              // no world normalisation (world_normalisation.h)

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <numeric>
 #include <vector>
 
@@ -36,6 +37,19 @@ std::vector<Split> held_out_splits_of(const std::vector<std::string>& cameras,
     throw InputError(fmt::format(
         "{}: all cameras are held out, none is left to train on; hold out fewer", layout));
   return splits;
+}
+
+size_t innermost(const std::vector<glm::dvec3>& centres) {
+  constexpr double kAlike = 1.02;
+  std::vector<double> distances;
+  for (const glm::dvec3& centre : centres) {
+    double& sum = distances.emplace_back(0);
+    for (const glm::dvec3& other : centres) sum += glm::length(other - centre);
+  }
+  const double least = *std::min_element(distances.begin(), distances.end());
+  const auto found = std::find_if(distances.begin(), distances.end(),
+                                  [&](double distance) { return distance <= kAlike * least; });
+  return size_t(found - distances.begin());
 }
 
 std::vector<Split> every_nth_split(const std::vector<std::string>& names, int64_t every) {

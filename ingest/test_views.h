@@ -23,6 +23,10 @@ std::vector<Split> held_out_splits_of(const std::vector<std::string>& cameras,
 /// train. Errors: InputError: `every` is 1 or negative.
 std::vector<Split> every_nth_split(const std::vector<std::string>& names, int64_t every);
 
+/// The place that lies nearest to all others, the first of those that do within a fiftieth: a
+/// camera there is held out by default, as its neighbours see what it sees. `centres`: not empty.
+size_t innermost(const std::vector<glm::dvec3>& centres);
+
 class TestViews {
  public:
   /// Looks at camera name and split; the pixels are not needed.

@@ -38,7 +38,8 @@ Calibration of_model(const fs::path& folder) {
                           false,
                           std::move(model.points),
                           std::move(model.files),
-                          std::move(model.warnings)};
+                          std::move(model.warnings),
+                          model.origin};
   for (ColmapPhoto& photo : model.photos)
     calibration.cameras.push_back(
         {std::move(photo.name), photo.camera, photo.lens, std::move(photo.lens_model)});
@@ -46,7 +47,7 @@ Calibration of_model(const fs::path& folder) {
 }
 
 Calibration of_rows(const fs::path& file) {
-  Calibration calibration{file, "LLFF poses", {}, true, {}, {file}, {}};
+  Calibration calibration{file, "LLFF poses", {}, true, {}, {file}, {}, {}};
   for (const LlffPose& pose : read_llff_poses(file))
     calibration.cameras.push_back(
         {fmt::format("row {}", calibration.cameras.size()), pose.camera, {}, "PINHOLE"});

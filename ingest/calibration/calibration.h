@@ -17,6 +17,7 @@ struct Calibration {
   PointCloud points;               // in the world of the cameras; may be empty
   std::vector<std::filesystem::path> files;  // that were read
   std::vector<std::string> warnings;         // one line each
+  glm::dvec3 origin{0};                      // taken out of cameras and points already
 };
 
 /// The forms that read_calibration knows, for messages.

@@ -46,6 +46,8 @@ StatedCameras matched(Calibration calibration, const std::vector<std::string>& c
   }
   for (const RigCamera& camera : calibration.cameras) stated.stated_names.push_back(camera.name);
   stated.points = std::move(calibration.points);
+  stated.origin = calibration.origin;
+  stated.by_row = calibration.by_row;
   stated.files = std::move(calibration.files);
   warnings.insert(warnings.end(), calibration.warnings.begin(), calibration.warnings.end());
   return stated;

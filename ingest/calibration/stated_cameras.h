@@ -15,7 +15,9 @@ struct StatedCameras {
   std::filesystem::path path;                     // the calibration, for messages
   std::vector<std::optional<RigCamera>> cameras;  // one a clip, called as the clip
   std::vector<std::string> stated_names;          // of all cameras of the calibration
+  bool by_row = false;                            // poses_bounds.npy: N3DV or LLFF
   PointCloud points;                              // in their world; may be empty
+  glm::dvec3 origin{0};                           // taken out of cameras and points already
   std::vector<std::filesystem::path> files;       // that were read
   std::string note;  // "poses of 6 cameras from sparse_ (COLMAP model)"; empty where it is named
 };

@@ -156,14 +156,18 @@ int64_t cameras_of_a_timestep(const Capture& scene) {
   return int64_t(most);
 }
 
+/// Whether the points of a photo set are those of its COLMAP model.
+bool has_model(const Capture& capture) {
+  return !capture.photos.empty() && !capture.points_file;
+}
+
 /// Dense by itself for rigs; photo sets have their COLMAP points, and far too many images a
-/// timestep.
-CloudDensity density(const Capture& scene, const IngestOptions& options) {
-  if (scene.layout == "transforms" && !scene.points.still.empty() &&
-      options.cloud != CloudDensity::kNone)
+/// timestep. A cloud that says what stands still is dense already.
+CloudDensity density(const Capture& capture, const IngestOptions& options) {
+  if (!capture.points.still.empty() && options.cloud != CloudDensity::kNone)
     return CloudDensity::kSparse;
   if (options.cloud) return *options.cloud;
-  return scene.layout != "colmap" && cameras_of_a_timestep(scene) >= kFewestCameras
+  return !has_model(capture) && cameras_of_a_timestep(capture) >= kFewestCameras
              ? CloudDensity::kDense
              : CloudDensity::kSparse;
 }
@@ -270,7 +274,7 @@ void warn_of_few_cameras(Capture& capture) {
   constexpr int64_t kFew = 5;  // of six cameras one is for the test
   const int64_t cameras = cameras_of_a_timestep(capture);
   const bool monocular = capture.layout == "transforms" ? cameras < 2 : capture.cameras.size() < 2;
-  if (capture.layout == "colmap" || monocular || cameras >= kFew) return;
+  if (has_model(capture) || monocular || cameras >= kFew) return;
   capture.warnings.push_back(fmt::format(
       "{} training camera{}: new views will be poor; published methods lose 10 to 14 dB "
       "on N3DV with 4 cameras instead of all; {} or more training cameras are advised",

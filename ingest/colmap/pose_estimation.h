@@ -18,6 +18,7 @@ inline constexpr const char* kReused = " (kept from an earlier command; COLMAP w
 
 struct PoseEstimate {
   std::vector<std::optional<RigCamera>> cameras;  // one a clip; empty where it was not registered
+  std::vector<char> held_out;                     // one a clip
   PointCloud points;                              // of the training cameras only
   bool reused = false;                            // COLMAP was run for another output
   double error = 0;                               // mean reprojection error of them, pixels
@@ -32,9 +33,10 @@ struct RigInstant {
 
 /// One pose a camera from still parts of the images. `work`: a folder that is kept and reused as
 /// long as the inputs are the same. `held_out[i]`: the camera's pose is solved, but it gives no
-/// points and no colours. Errors: InputError: no `colmap`, its failure with the log's path, too few
-/// cameras registered.
-PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<char>& held_out,
+/// points and no colours; absent: the innermost of the registered cameras. Errors: InputError: no
+/// `colmap`, its failure with the log's path, too few cameras registered.
+PoseEstimate estimate_rig(const std::vector<RigClip>& clips,
+                          const std::optional<std::vector<char>>& held_out,
                           const std::filesystem::path& work, const PoseOptions& options,
                           const IngestProgress& progress);
 

@@ -10,6 +10,7 @@
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/images/image_paths.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -212,12 +213,27 @@ bool is_known(const ColmapWorkspace& work, const std::string& key, const std::st
                              ColmapWorkspace(work.folder / "points").holds(split));
 }
 
+/// A flag a clip.
+std::vector<char> innermost_of(const std::vector<std::optional<RigCamera>>& cameras) {
+  std::vector<size_t> placed;
+  std::vector<glm::dvec3> centres;
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    if (!cameras[i]) continue;
+    placed.push_back(i);
+    centres.push_back(cameras[i]->camera.position());
+  }
+  std::vector<char> held_out(cameras.size(), 0);
+  if (!placed.empty()) held_out[placed[innermost(centres)]] = 1;
+  return held_out;
+}
+
 }  // namespace
 
-PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<char>& held_out,
+PoseEstimate estimate_rig(const std::vector<RigClip>& clips,
+                          const std::optional<std::vector<char>>& held_out,
                           const std::filesystem::path& folder, const PoseOptions& options,
                           const IngestProgress& progress) {
-  check(held_out.size() == clips.size(), "estimate_rig: one flag a clip");
+  check(!held_out || held_out->size() == clips.size(), "estimate_rig: one flag a clip");
   const ColmapWorkspace work(folder);
   const ColmapProgram colmap(work.folder / "colmap.log", progress);
   Fnv1a key;
@@ -231,7 +247,10 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<c
     solver.max_error = std::max(solver.max_error, tight_error(stills[i].image.width));
   }
   Fnv1a split = key;
-  split.add(held_out.data(), held_out.size());
+  if (held_out)
+    split.add(held_out->data(), held_out->size());
+  else
+    split.add("innermost");
   PoseEstimate estimate;
   const PoseCache cache(options.cache);
   const bool was_known = is_known(work, key.hex(), split.hex());
@@ -242,12 +261,13 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<c
   const auto largest = solver.solve(stills, key.hex(), estimate.warnings);
   estimate.cameras.resize(clips.size());
   if (!largest.empty()) {
-    solver.triangulate_training(held_out, split.hex());
-    if (!was_known && !estimate.reused) cache.keep(split.hex(), work);
     for (const ColmapPhoto& photo : read_colmap_model(solver.chosen()).photos) {
       const size_t i = solver.clip_of(photo.name);
       estimate.cameras[i] = {clips[i].name, photo.camera, photo.lens, photo.lens_model};
     }
+    estimate.held_out = held_out ? *held_out : innermost_of(estimate.cameras);
+    solver.triangulate_training(estimate.held_out, split.hex());
+    if (!was_known && !estimate.reused) cache.keep(split.hex(), work);
     if (const auto points = work.folder / "points" / "model"; std::filesystem::exists(points)) {
       ColmapModel model = read_colmap_model(points);
       estimate.points = std::move(model.points);

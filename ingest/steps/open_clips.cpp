@@ -1,4 +1,5 @@
-// Gives clips the cameras that a calibration states, and reads the timelines of those that are taken.
+// Gives clips the cameras that a calibration states, and reads the timelines of those that are
+// taken.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -66,19 +67,23 @@ void choose_cameras(const std::vector<std::string>& wanted, Capture& capture) {
   keep_clips(capture, keep);
 }
 
-/// Of a single camera frames can be held out (--test-every), not the camera.
-void hold_out(const IngestOptions& options, Capture& capture) {
+/// Of a single camera frames can be held out (--test-every), not the camera. Of several cameras
+/// those that are named, else the innermost, as soon as it is known; of N3DV its protocol's.
+void hold_out(const IngestOptions& options, bool by_row, Capture& capture) {
   const size_t count = capture.clips.size();
   if (options.test_every && count > 1)
     throw InputError(
         "--test-every is given, but of several cameras whole ones are held out; pass --held-out "
         "with their names");
+  if (options.held_out.empty() && count > 1 && !capture.posed) return;  // by COLMAP's poses
   capture.held_out.assign(count, 0);
   if (!options.held_out.empty()) {
     const auto splits = held_out_splits_of(clip_names(capture), options.held_out, "videos");
     for (size_t i = 0; i < count; ++i) capture.held_out[i] = splits[i] == Split::kTest;
   } else if (count > 1) {
-    capture.held_out.front() = 1;  // as N3DV's protocol has it
+    std::vector<glm::dvec3> centres;
+    for (const RigClip& clip : capture.clips) centres.push_back(clip.camera->camera.position());
+    capture.held_out[by_row ? 0 : innermost(centres)] = 1;
   }
 }
 
@@ -142,8 +147,9 @@ Capture open_clips(Capture capture, const StepContext& context) {
   if (options.layout == CaptureLayout::kSequences)
     capture.notes.push_back(fmt::format("{}: {}", capture.folder.string(),
                                         reading_text(capture.clips.size(), *options.image_rate)));
+  const bool by_row = stated && stated->by_row;
   if (stated) take_poses(std::move(*stated), options.strict, capture);
-  hold_out(options, capture);
+  hold_out(options, by_row, capture);
   check_clips(capture, options);
   return capture;
 }

@@ -16,7 +16,9 @@ namespace {
 PoseEstimate estimate_of(const Capture& capture, const StepContext& context) {
   const IngestOptions& options = context.options;
   try {
-    return estimate_rig(capture.clips, capture.held_out, options.work / "colmap", options.poses,
+    std::optional<std::vector<char>> held_out;
+    if (!capture.held_out.empty()) held_out = capture.held_out;
+    return estimate_rig(capture.clips, held_out, options.work / "colmap", options.poses,
                         context.progress);
   } catch (const InputError& error) {
     throw InputError(error.what() + pose_hints(capture));
@@ -39,6 +41,7 @@ Capture pose_cameras(Capture capture, const StepContext& context) {
       fmt::format("COLMAP registered {} of {} cameras, mean reprojection error {:.2f} pixels{}",
                   std::count(placed.begin(), placed.end(), 1), placed.size(), estimate.error,
                   estimate.reused ? kReused : ""));
+  capture.held_out = std::move(estimate.held_out);
   keep_clips(capture, placed);
   leave_out_bad_lenses(context.options.strict, capture);
   if (std::all_of(capture.held_out.begin(), capture.held_out.end(), [](char held) { return held; }))

@@ -11,7 +11,6 @@
 #include "ingest/files/folders.h"
 #include "ingest/ingest.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options.h"
@@ -202,21 +201,14 @@ std::vector<Dataset> find_datasets(const std::vector<std::string>& words, const 
 
 bool has_test_views_of_its_own(const fs::path& capture, const IngestOptions& options) {
   try {
-    switch (layout_of(capture, options)) {
-      case CaptureLayout::kVideos:
-      case CaptureLayout::kN3dv:
-        return videos_in(capture).size() > 1 && options.cameras.size() != 1;
-      case CaptureLayout::kSequences:
-        return options.image_layout != ImageLayout::kMoving && options.cameras.size() != 1;
-      case CaptureLayout::kTransforms: {
-        const std::vector<TransformsFrame> frames = read_transforms_capture(capture).frames;
-        return std::any_of(frames.begin(), frames.end(), [](const TransformsFrame& frame) {
-          return frame.split != Split::kTrain;
-        });
-      }
-      default:
-        return false;
-    }
+    IngestOptions of_layout = options;
+    of_layout.layout = layout_of(capture, options);
+    const LayoutRow& row = row_of(*of_layout.layout);
+    if (row.photos) return false;
+    const Capture read = row.read(capture, of_layout);
+    const auto is_held_out = [](const CaptureFrame& f) { return f.frame.split != Split::kTrain; };
+    return (read.clips.size() > 1 && options.cameras.size() != 1) ||
+           std::any_of(read.frames.begin(), read.frames.end(), is_held_out);
   } catch (const InputError&) {
     return false;  // its preparation reports why
   }

@@ -59,7 +59,7 @@ void add_frame_options(CLI::App& command, IngestArguments& arguments) {
   command
       .add_option(
           "--held-out", options.held_out,
-          "test cameras (or photos), by name; default: the first camera of a rig; for photos "
+          "test cameras (or photos), by name; default: the innermost camera of a rig; for photos "
           "see --test-every")
       ->delimiter(',');
   command.add_option("--images", options.images,

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace tessera {
 namespace {
 
@@ -38,6 +40,23 @@ TEST(TestViews, PhotosAreImages) {
   add(photos, "d", Split::kTest, 1);
   add(photos, "e", Split::kTest, 1);
   EXPECT_EQ(photos.text(), "will be scored: 2 test views (images d, e)");
+}
+
+// Bugs put back, each seen to fail: the first place; the place nearest to the mean, which one far
+// camera moves away.
+TEST(TestViews, TheInnermostCameraLiesNearestToAllOthers) {
+  std::vector<glm::dvec3> arc;
+  for (int i = 0; i < 7; ++i) arc.push_back({std::cos(0.2 * i), std::sin(0.2 * i), 0});
+  EXPECT_EQ(innermost(arc), 3u);
+  std::swap(arc[3], arc[0]);
+  EXPECT_EQ(innermost(arc), 0u);
+  arc.push_back({90, 0, 0});
+  EXPECT_EQ(innermost(arc), 0u);
+  std::vector<glm::dvec3> ring;
+  for (int i = 0; i < 8; ++i)
+    ring.push_back({std::cos(0.7853981634 * i), std::sin(0.7853981634 * i), 1e-9 * i});
+  EXPECT_EQ(innermost(ring), 0u) << "all alike: the first";
+  EXPECT_EQ(innermost({{1, 2, 3}}), 0u);
 }
 
 }  // namespace

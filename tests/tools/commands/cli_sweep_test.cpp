@@ -18,7 +18,9 @@ void write_wall(const std::filesystem::path& folder,
   Capture prepared;
   for (const Frame& frame : wall_scene(rig).frames) {
     write_png(folder / (frame.name + ".png"), frame.image);
-    prepared.frames.push_back({frame.name + ".png", frame, {}, {}});
+    CaptureFrame& written = prepared.frames.emplace_back();
+    written.file_path = frame.name + ".png";
+    written.frame = frame;
   }
   write_prepared_scene(folder, prepared);
 }
