@@ -42,16 +42,18 @@ class BinaryCursor {
     records_ = count;
     return count;
   }
-  /// Passes over a list: its length, then values of `size` bytes.
-  void skip_list(uint64_t size) {
+  /// The length of a list whose entries have `size` bytes.
+  uint64_t take_length(uint64_t size) {
     const auto count = take<uint64_t>();
     if (count > (bytes_.size() - at_) / size)
       fail(
           fmt::format("is truncated or damaged: a list of {} entries of {} bytes begins {} bytes "
                       "before the end",
                       count, size, bytes_.size() - at_));
-    at_ += count * size;
+    return count;
   }
+  /// Passes over a list: its length, then its entries.
+  void skip_list(uint64_t size) { at_ += take_length(size) * size; }
   void begin_record() { ++record_; }
   std::string where() const { return fmt::format("{}, {} {}", name_, what_, record_); }
   void expect_end() const {
@@ -111,7 +113,7 @@ std::vector<ColmapImage> read_colmap_images_bin(const std::filesystem::path& pat
   for (uint64_t left = file.take_count(kLeastBytes); left > 0; --left) {
     file.begin_record();
     ColmapImage image;
-    file.take<uint32_t>();  // the image's id, which only tracks refer to
+    image.id = file.take<uint32_t>();
     for (double& value : image.quaternion) value = file.take<double>();
     for (glm::length_t i = 0; i < 3; ++i) image.translation[i] = file.take<double>();
     image.camera = file.take<uint32_t>();
@@ -128,6 +130,7 @@ ColmapPoints read_colmap_points_bin(const std::filesystem::path& path, const glm
   BinaryCursor file(path, "points");
   PointCloud points;
   double errors = 0;
+  ImageErrors by_image;
   std::vector<uint64_t> ids;
   for (uint64_t left = file.take_count(kLeastBytes); left > 0; --left) {
     file.begin_record();
@@ -136,15 +139,19 @@ ColmapPoints read_colmap_points_bin(const std::filesystem::path& path, const glm
     for (glm::length_t i = 0; i < 3; ++i) position[i] = file.take<double>();
     std::array<uint8_t, 3> colour;
     for (uint8_t& value : colour) value = file.take<uint8_t>();
-    errors += file.take<double>();
-    file.skip_list(kTrackBytes);
+    const auto error = file.take<double>();
+    errors += error;
+    for (uint64_t seen = file.take_length(kTrackBytes); seen > 0; --seen) {
+      by_image[file.take<uint32_t>()].add(error);
+      file.take<uint32_t>();  // the feature
+    }
     points.position.emplace_back(position - origin);
     points.colour.push_back(colour);
   }
   file.expect_end();
   sort_by_id(points, ids);
   const double count = double(std::max<size_t>(1, ids.size()));
-  return {std::move(points), errors / count};
+  return {std::move(points), errors / count, std::move(by_image)};
 }
 
 }  // namespace tessera

@@ -8,6 +8,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <numeric>
+#include <string_view>
 
 #include "ingest/colmap/colmap_records.h"
 #include "ingest/images/image_paths.h"
@@ -107,6 +108,17 @@ void take_origin_out(ColmapModel& model) {
     photo.camera = camera_in_world(less(model.origin), photo.camera);
 }
 
+/// The errors of the points to the photos that see them.
+void put_errors(const ImageErrors& errors, const std::vector<ColmapImage>& images,
+                std::vector<ColmapPhoto>& photos) {
+  if (errors.empty()) return;
+  std::map<std::string_view, uint32_t> ids;
+  for (const ColmapImage& image : images) ids[image.name] = image.id;
+  for (ColmapPhoto& photo : photos)
+    if (const auto found = errors.find(ids.at(photo.name)); found != errors.end())
+      photo.error = found->second.mean();
+}
+
 void drop_infinite_points(PointCloud& points, const std::string& where,
                           std::vector<std::string>& warnings) {
   size_t kept = 0;
@@ -174,6 +186,7 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
                                : read_colmap_points_txt(points_file, model.origin, model.warnings);
   model.points = std::move(points.cloud);
   model.error = points.error;
+  put_errors(points.by_image, images, model.photos);
   model.files.push_back(points_file);
   drop_infinite_points(model.points, points_file.string(), model.warnings);
   return model;

@@ -2,6 +2,7 @@
 // Image sizes are those of the model.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,9 @@ struct ColmapPhoto {
   Camera camera;           // in the size of the model's camera
   Lens lens;               // what the image has beyond the pinhole
   std::string lens_model;  // COLMAP's name of it: "OPENCV"
+  /// Mean reprojection error of the points that the image is in the tracks of, pixels; absent where
+  /// there are none, and of text models.
+  std::optional<double> error{};
 };
 
 /// Poses and points are less `origin`, so that points keep their places as floats.

@@ -1,5 +1,6 @@
 // The records of the three files of a COLMAP model, binary or text, and the camera models (numbers
-// 0–10 of COLMAP 3.8) as pinhole intrinsics and lens. Tracks and feature points are skipped.
+// 0–10 of COLMAP 3.8) as pinhole intrinsics and lens. Feature points are skipped, and of tracks all
+// but the images of binary ones.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <glm/vec3.hpp>
 #include <map>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -62,11 +64,25 @@ struct ColmapImage {
   std::array<double, 4> quaternion{};  // cam_from_world, w x y z, as stored
   glm::dvec3 translation{};            // of cam_from_world
   uint32_t camera = 0;                 // id
+  uint32_t id = 0;                     // to which tracks refer; read from .bin alone
 };
+
+/// Errors of the points whose track has an image, pixels.
+struct ImageError {
+  double sum = 0;
+  int64_t points = 0;
+  void add(double error) {
+    sum += error;
+    ++points;
+  }
+  double mean() const { return sum / double(points); }
+};
+using ImageErrors = std::unordered_map<uint32_t, ImageError>;  // by the image's id
 
 struct ColmapPoints {
   PointCloud cloud;
-  double error = 0;  // mean reprojection error over the points, pixels; 0 without points
+  double error = 0;        // mean reprojection error over the points, pixels; 0 without points
+  ImageErrors by_image{};  // of .bin alone
 };
 
 using ColmapCameras = std::map<uint32_t, ColmapCamera>;  // by id

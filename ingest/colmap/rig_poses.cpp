@@ -263,13 +263,17 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips,
   if (!largest.empty()) {
     for (const ColmapPhoto& photo : read_colmap_model(solver.chosen()).photos) {
       const size_t i = solver.clip_of(photo.name);
-      estimate.cameras[i] = {clips[i].name, photo.camera, photo.lens, photo.lens_model};
+      estimate.cameras[i] =
+          RigCamera{clips[i].name, photo.camera, photo.lens, photo.lens_model, true};
     }
     estimate.held_out = held_out ? *held_out : innermost_of(estimate.cameras);
     solver.triangulate_training(estimate.held_out, split.hex());
     if (!was_known && !estimate.reused) cache.keep(split.hex(), work);
     if (const auto points = work.folder / "points" / "model"; std::filesystem::exists(points)) {
       ColmapModel model = read_colmap_model(points);
+      for (const ColmapPhoto& photo : model.photos)
+        if (auto& camera = estimate.cameras[solver.clip_of(photo.name)])
+          camera->reprojection_error = photo.error;
       estimate.points = std::move(model.points);
       estimate.error = model.error;
     }

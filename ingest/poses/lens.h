@@ -44,6 +44,9 @@ struct RigCamera {
   Camera camera;                       // size and intrinsics of the upright image, and its pose
   Lens lens;                           // what the image has beyond the pinhole
   std::string lens_model = "PINHOLE";  // COLMAP's name of it
+  bool estimated = false;              // by COLMAP, not stated
+  /// Mean over the points that COLMAP triangulated from it, pixels; absent where it gave none.
+  std::optional<double> reprojection_error{};
 };
 
 }  // namespace tessera

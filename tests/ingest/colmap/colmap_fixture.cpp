@@ -65,8 +65,9 @@ void write_colmap_bin(const std::filesystem::path& folder, const WrittenModel& m
     for (const double parameter : camera.parameters) cameras.put(parameter);
   }
   images.put(uint64_t(model.images.size()));
+  uint32_t id = 0;  // points are seen by images 0 and 2
   for (const WrittenImage& image : model.images) {
-    images.put(uint32_t(7));
+    images.put(id++);
     for (const double value : image.quaternion) images.put(value);
     images.put(image.translation).put(image.camera).put_name(image.name);
     images.put(uint64_t(image.features));

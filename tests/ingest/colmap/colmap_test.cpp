@@ -56,6 +56,10 @@ TEST(ColmapModel, BinaryAndTextHoldTheSame) {
   expect_same_model(bin, txt, 1e-15);
   EXPECT_TRUE(bin.warnings.empty() && txt.warnings.empty());
   ASSERT_EQ(bin.photos.size(), 5u);
+  for (const ColmapPhoto& photo : bin.photos)  // tracks name the first and the third of the file
+    EXPECT_EQ(photo.error.value_or(-1),
+              photo.name == "b04.png" || photo.name == "b02.png" ? 0.5 : -1)
+        << photo.name;
   for (int i = 0; i < 5; ++i) {
     const ColmapPhoto& photo = bin.photos[size_t(i)];
     EXPECT_EQ(photo.name, fmt::format("b{:02}.png", i));
