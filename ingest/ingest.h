@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "ingest/camera_row.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -86,6 +87,7 @@ struct IngestReport {
   std::string scored;                 // what will be scored, in words (test_views.h)
   std::vector<std::string> warnings;  // one line each
   std::vector<std::string> notes;     // how the capture was read where that was a choice, likewise
+  std::vector<CameraRow> camera_table;  // of rigs of clips; empty of others
 };
 
 /// Images with two possible layouts. The message names both and the option that decides.

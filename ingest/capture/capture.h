@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "ingest/camera_row.h"
 #include "ingest/poses/intrinsics.h"
 #include "ingest/poses/lens.h"
 #include "ingest/scene.h"
@@ -65,11 +66,12 @@ struct Capture {
   std::filesystem::path folder;
   std::string layout;  // "transforms", "n3dv", "colmap", …, as the prepared scene states it
 
-  std::vector<RigClip> clips;    // recordings, one a camera, by name; empty of image files
-  std::vector<char> held_out;    // one a clip, once that is chosen
-  std::filesystem::path photos;  // the folder of a photo set; empty of others
-  bool posed = true;             // every clip or frame has a pose
-  std::string unused_poses;      // why poses that lie there are not used; may be empty
+  std::vector<RigClip> clips;         // recordings, one a camera, by name; empty of image files
+  std::vector<char> held_out;         // one a clip, once that is chosen
+  std::vector<std::string> limiting;  // names of clips that shorten what all share
+  std::filesystem::path photos;       // the folder of a photo set; empty of others
+  bool posed = true;                  // every clip or frame has a pose
+  std::string unused_poses;           // why poses that lie there are not used; may be empty
   std::vector<CaptureCamera> cameras;
   std::vector<StatedView> views;
   std::vector<CaptureFrame> frames;
@@ -85,7 +87,8 @@ struct Capture {
   std::vector<std::pair<std::string, std::filesystem::path>> files;  // read beside the images:
                                                                      // names among sources, paths
   std::vector<std::string> warnings;                                 // one line each
-  std::vector<std::string> notes;  // how the capture was read where that was a choice
+  std::vector<std::string> notes;       // how the capture was read where that was a choice
+  std::vector<CameraRow> camera_table;  // of several clips, in the end
 
   // What was done, as the prepared scene states it.
   std::string background = "opaque";  // what was done about alpha: "alpha kept", "opaque"

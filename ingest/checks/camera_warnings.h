@@ -4,12 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "ingest/camera_row.h"
 #include "ingest/scene.h"
 
 namespace tessera {
 
-/// One line each, with the camera's name and what to do. `all`: every frame, pixels are not needed;
+/// One line each, with the camera's name and what to do. Gains and rolls go to the `rows` of the
+/// cameras, where these have one. `all`: every frame, pixels are not needed;
 /// `sample`: a few frames of each camera, with pixels.
-std::vector<std::string> camera_warnings(const Scene& all, const Scene& sample);
+std::vector<std::string> camera_warnings(const Scene& all, const Scene& sample,
+                                         std::vector<CameraRow>& rows);
 
 }  // namespace tessera

@@ -88,15 +88,15 @@ std::string limit_warning(const LimitedClip& clip, const std::string& where) {
   const std::string seen =
       fmt::format("{} {} the clip to {} of {} timesteps", fmt::join(clip.limiting, ", "),
                   one ? "limits" : "limit", clip.timesteps, clip.without);
-  const std::string remedy =
-      fmt::format("without {} there are {}: --cameras {}", one ? "it" : "them", clip.without,
-                  fmt::join(clip.others, ","));
-  if (2 * clip.timesteps >= clip.without) return seen + "; " + remedy;
+  const std::string gain =
+      fmt::format("without {} there are {}", one ? "it" : "them", clip.without);
+  if (2 * clip.timesteps >= clip.without) return seen + "; " + gain;
   const std::string keep =
       clip.timesteps == 0
           ? "; or state the clocks with --offsets"
           : fmt::format("; or pass --frames {} to use what all cameras have", clip.timesteps);
-  throw InputError(fmt::format("{}: {}, less than half; {}{}", where, seen, remedy, keep));
+  throw InputError(fmt::format("{}: {}, less than half; {}: --cameras {}{}", where, seen, gain,
+                               fmt::join(clip.others, ","), keep));
 }
 
 }  // namespace tessera

@@ -25,8 +25,8 @@ LimitedClip limited_clip(const std::vector<std::string>& cameras,
                          const std::vector<std::vector<double>>& seconds,
                          const FrameWindow& window);
 
-/// What the limiting cameras cost, and how to leave them out; empty where none limits the clip.
-/// Errors: InputError that begins with `where`: less than half of the timesteps is left.
+/// What the limiting cameras cost; the table of cameras lists the others. Empty where none limits
+/// the clip. Errors: InputError that begins with `where`: less than half of the timesteps is left.
 std::string limit_warning(const LimitedClip& clip, const std::string& where);
 
 }  // namespace tessera

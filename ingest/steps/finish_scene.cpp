@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "ingest/checks/camera_table.h"
 #include "ingest/checks/camera_warnings.h"
 #include "ingest/checks/exposure.h"
 #include "ingest/checks/thinned_scene.h"
@@ -97,11 +98,12 @@ void even_exposure(const std::filesystem::path& folder, Capture& scene,
 }
 
 /// By a few small frames of each camera.
-void warn_of_odd_cameras(const std::filesystem::path& folder, std::vector<std::string>& warnings) {
+void warn_of_odd_cameras(const std::filesystem::path& folder, Capture& capture) {
   const ThinnedScene thinned =
       thinned_scene(folder, {.instants = 3, .stations = 40, .largest = 640});
-  const std::vector<std::string> odd = camera_warnings(thinned.all, thinned.sample);
-  warnings.insert(warnings.end(), odd.begin(), odd.end());
+  const std::vector<std::string> odd =
+      camera_warnings(thinned.all, thinned.sample, capture.camera_table);
+  capture.warnings.insert(capture.warnings.end(), odd.begin(), odd.end());
 }
 
 }  // namespace
@@ -117,8 +119,11 @@ Capture finish_scene(Capture capture, const StepContext& context) {
   capture.has_points = !capture.points.position.empty();
   if (capture.has_points) write_points(folder / "points.ply", capture.points);
   write_prepared_scene(folder, capture);
+  capture.camera_table = camera_table(capture);
   if (options.check_cameras && capture.cameras.size() > 1 && row_of(*options.layout).clips)
-    warn_of_odd_cameras(folder, capture.warnings);
+    warn_of_odd_cameras(folder, capture);
+  if (const std::string line = leave_out_line(capture.camera_table); !line.empty())
+    capture.warnings.insert(capture.warnings.begin(), line);  // below the table
   return capture;
 }
 

@@ -103,6 +103,7 @@ IngestReport report_of(Capture capture, CaptureLayout layout) {
   report.scored = test_views.text();
   report.warnings = std::move(capture.warnings);
   report.notes = std::move(capture.notes);
+  report.camera_table = std::move(capture.camera_table);
   return report;
 }
 

@@ -98,8 +98,9 @@ void check_clips(Capture& capture, const IngestOptions& options) {
 std::vector<std::vector<size_t>> kept_frames(Capture& capture, const FrameWindow& window,
                                              const std::vector<std::vector<double>>& timesteps) {
   const TimeInterval common = common_interval(timesteps);
-  const std::string limited =
-      limit_warning(limited_clip(clip_names(capture), timesteps, window), capture.folder.string());
+  LimitedClip clip = limited_clip(clip_names(capture), timesteps, window);
+  const std::string limited = limit_warning(clip, capture.folder.string());
+  capture.limiting = std::move(clip.limiting);
   if (common.empty())
     throw InputError(fmt::format(
         "{}: the cameras have no timestep in common; state their clocks with --offsets, or leave "

@@ -45,7 +45,7 @@ Step check_masks;
 /// The points that lie beside the capture, or those of its known poses.
 Step read_points;
 
-/// World, exposure, initial cloud: writes points.ply and transforms.json.
+/// World, exposure, initial cloud, the table of cameras: writes points.ply and transforms.json.
 Step finish_scene;
 
 }  // namespace tessera

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "ingest/camera_table_text.h"
 #include "ingest/files/cache_folder.h"
 #include "ingest/layouts/capture_layout.h"
 #include "kernels/base/errors.h"
@@ -204,6 +205,7 @@ IngestReport ingest_with_progress(const std::filesystem::path& capture,
       });
   bar.clear();
   for (const std::string& note : report.notes) say(note);
+  for (const std::string& line : camera_table_lines(report.camera_table)) say(line);
   for (const std::string& warning : report.warnings) warn(warning);
   return report;
 }

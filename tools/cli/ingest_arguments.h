@@ -20,7 +20,8 @@ IngestOptions resolve_ingest(const IngestArguments& arguments);
 /// Everything that changes the prepared scene, with the stamps of the files that are named: what
 /// keys of finished work are made of.
 nlohmann::json to_json(const IngestOptions& options);
-/// Runs `ingest_capture` under a progress bar that begins with `label`; prints its warnings.
+/// Runs `ingest_capture` under a progress bar that begins with `label`; prints its notes,
+/// the table of cameras, and its warnings.
 IngestReport ingest_with_progress(const std::filesystem::path& capture,
                                   const std::filesystem::path& out, const IngestOptions& options,
                                   const std::string& label);

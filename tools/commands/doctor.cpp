@@ -5,6 +5,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "ingest/camera_table_text.h"
 #include "ingest/checks/thinned_scene.h"
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/files/atomic_file.h"
@@ -45,9 +46,10 @@ bool has_errors(const DoctorReport& report) {
   return count(report, Severity::kError) > 0;
 }
 
-/// A line for each finding, the worst first, and a line that counts them.
+/// The table of cameras, a line for each finding, the worst first, and a line that counts them.
 std::string doctor_text(const DoctorReport& report) {
   std::string text;
+  for (const std::string& line : camera_table_lines(report.cameras)) text += line + '\n';
   for (const Finding& finding : sorted(report.findings)) {
     text += fmt::format("{:<7}  {:<8}  ", severity_name(finding.severity), finding.check);
     if (!finding.camera.empty()) text += finding.camera + ": ";
@@ -74,6 +76,7 @@ nlohmann::json doctor_json(const DoctorReport& report) {
           {"warnings", count(report, Severity::kWarning)},
           {"seconds", report.seconds},
           {"findings", std::move(findings)},
+          {"camera_table", camera_table_json(report.cameras)},
           {"tables", report.tables}};
 }
 
@@ -134,6 +137,7 @@ void examine_capture(const fs::path& capture, const IngestOptions& options, Doct
   const TemporaryFolder temporary("doctor");
   const fs::path folder = temporary.path() / "scene";
   const IngestReport ingested = ingest_into(folder, temporary.path(), capture, options);
+  report.cameras = ingested.camera_table;
   for (const std::string& note : ingested.notes)
     report.findings.push_back({Severity::kInfo, "ingest", "", note, ""});
   for (const std::string& warning : ingested.warnings)

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "ingest/checks/camera_table.h"
 #include "ingest/checks/cloud_health.h"
 #include "ingest/checks/coverage.h"
 #include "ingest/checks/exposure.h"
@@ -47,6 +48,7 @@ void add_poses_and_exposure(const Scene& sample, DoctorReport& report) {
   report.tables["poses"] = std::move(table);
   const ExposureCheck exposure = check_exposure(matched);
   add(exposure.findings, report);
+  put_gains(exposure.gains, report.cameras);
   table = json::array();
   for (const CameraGain& camera : exposure.gains)
     table.push_back({{"camera", camera.camera}, {"gain", camera.gain}, {"matches", camera.pairs}});
@@ -119,6 +121,7 @@ void add_times(const ThinnedScene& scene, const std::filesystem::path& folder,
 void add_orientation(const Scene& all, DoctorReport& report) {
   const OrientationCheck orientation = check_orientation(all);
   add(orientation.findings, report);
+  put_rolls(orientation.cameras, report.cameras);
   json table = json::array();
   for (const CameraRoll& camera : orientation.cameras)
     table.push_back({{"camera", camera.camera},

@@ -2,6 +2,9 @@
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
+
+#include "ingest/camera_row.h"
 #include "ingest/checks/finding.h"
 #include "ingest/checks/thinned_scene.h"
 
@@ -9,7 +12,8 @@ namespace tessera {
 
 struct DoctorReport {
   std::string path;
-  std::string kind;  // "scene", "capture (a sample of it)"
+  std::string kind;                // "scene", "capture (a sample of it)"
+  std::vector<CameraRow> cameras;  // of a rig of clips; examine() adds gains and rolls
   Findings findings;
   nlohmann::json tables = nlohmann::json::object();  // by check
   double seconds = 0;

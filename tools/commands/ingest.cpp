@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "ingest/camera_table_text.h"
 #include "ingest/ingest.h"
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/prepared/transforms_json.h"
@@ -48,6 +49,7 @@ int ingest_one(const IngestRequest& request, const IngestOptions& options) {
        {"points", report.points},
        {"test_views", report.test_views},
        {"notes", report.notes},
+       {"camera_table", camera_table_json(report.camera_table)},
        {"warnings", report.warnings}},
       fmt::format("{}: {} images of {} camera{}, {} points; {}", request.out, report.frames,
                   report.cameras, report.cameras == 1 ? "" : "s", report.points, report.scored));

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "ingest/camera_table_text.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/ingest.h"
 #include "ingest/prepared/scene_reader.h"
@@ -125,6 +126,7 @@ class Runner {
   json result() const {
     json result = ledger_.result("evaluate");
     result["training"] = ledger_.result("train");
+    result["camera_table"] = ledger_.result("ingest").value("camera_table", json::array());
     result["export"] = request_.export_frames > 0
                            ? ledger_.result("export")
                            : json{{"folder", frames().string()}, {"frames", 0}, {"bytes", 0}};
@@ -207,6 +209,7 @@ class Runner {
       result["frames"] = report.frames;
       result["cameras"] = report.cameras;
       result["warnings"] = report.warnings;
+      result["camera_table"] = camera_table_json(report.camera_table);
       return std::optional(result);
     });
   }

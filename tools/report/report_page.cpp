@@ -7,6 +7,7 @@
 
 #include "tools/player/page_words.h"
 #include "tools/report/axis.h"
+#include "tools/report/camera_section.h"
 #include "tools/report/report_pieces.h"
 
 namespace tessera {
@@ -198,9 +199,10 @@ std::vector<std::pair<std::string, std::string>> run_charts(const RunReport& rep
 std::string run_page(const RunPage& page) {
   const RunReport& report = page.report;
   const std::string body =
-      head(page) + scores(page) + warnings(report) + telling(page) + strips(page.images) +
-      charts(report) + decisions(report) + "<h2>Run</h2>\n<div class=\"pair\">\n" + stages(report) +
-      files(page) + machine(report) + "</div>\n" + view_table(report) +
+      head(page) + scores(page) + warnings(report) + camera_section(report.cameras) +
+      telling(page) + strips(page.images) + charts(report) + decisions(report) +
+      "<h2>Run</h2>\n<div class=\"pair\">\n" + stages(report) + files(page) + machine(report) +
+      "</div>\n" + view_table(report) +
       fmt::format("<footer>Made by Tessera {}.</footer>\n", html_text(report.version));
   return report_frame("Tessera: " + page.title, body);
 }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "ingest/camera_table_text.h"
+#include "tools/report/camera_section.h"
 #include "tools/report/log_events.h"
 
 namespace tessera {
@@ -127,6 +129,8 @@ RunReport run_report(const RunRecords& records) {
   report.device = text_at(records.config, "device");
   read_starts(events, report);
   read_warnings(records, events, report);
+  report.cameras =
+      camera_rows(field_at(field_at(field_at(records.stages, "ingest"), "result"), "camera_table"));
   read_stages(records, events, report);
   read_scores(records.metrics, report);
   read_views(records.metrics, report);
@@ -188,7 +192,8 @@ json to_json(const RunReport& report) {
           {"split", report.split},
           {"views", views},
           {"decisions", decisions},
-          {"warnings", warnings}};
+          {"warnings", warnings},
+          {"camera_table", camera_table_json(report.cameras)}};
 }
 
 }  // namespace tessera

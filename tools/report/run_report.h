@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "ingest/camera_row.h"
 #include "tools/report/svg_chart.h"
 
 namespace tessera {
@@ -65,6 +66,7 @@ struct RunReport {
   std::vector<ScoredView> views;  // in the order of the scene
   std::vector<RunDecision> decisions;
   std::vector<RunWarning> warnings;  // each once
+  std::vector<CameraRow> cameras;    // of the rig; empty of other captures and of earlier runs
 };
 
 RunReport run_report(const RunRecords& records);
@@ -72,7 +74,8 @@ RunReport run_report(const RunRecords& records);
 /// {version, command, started, host, cpu, device, preset, steps, num_static, num_dynamic, stages
 /// [{name, seconds}], curves {psnr_test, psnr_validation, loss, num_static, num_dynamic, bytes:
 /// [[step, value]]}, scores {name: value}, split, views [{name, camera, time, psnr, psnr_dynamic,
-/// psnr_static}], decisions [{step, text}], warnings [{stage, text}]}.
+/// psnr_static}], decisions [{step, text}], warnings [{stage, text}], camera_table as
+/// camera_table_json() makes it}.
 nlohmann::json to_json(const RunReport& report);
 
 }  // namespace tessera

@@ -166,7 +166,10 @@ TEST(FeatureChecks, OneDarkCameraAccusesNoOther) {
 // The lines of a preparation. Bug put back: findings for information are lines, too; seen to fail.
 TEST(FeatureChecks, TurnedAndDarkCamerasAreLines) {
   Scene scene = textured_rig();
-  EXPECT_TRUE(camera_warnings(scene, scene).empty());
+  std::vector<CameraRow> rows(2);
+  rows[0].name = "cam3";
+  rows[1].name = "cam4";
+  EXPECT_TRUE(camera_warnings(scene, scene, rows).empty());
   turn(scene, "cam4", 90, {0, 0, 1});
   for (Frame& frame : scene.frames)
     if (frame.camera_name == "cam3")
@@ -177,10 +180,15 @@ TEST(FeatureChecks, TurnedAndDarkCamerasAreLines) {
     frame.timestep = 1;
     all.frames.push_back(frame);
   }
-  const std::vector<std::string> lines = camera_warnings(all, scene);
+  const std::vector<std::string> lines = camera_warnings(all, scene, rows);
   ASSERT_EQ(lines.size(), 2u);
   EXPECT_TRUE(lines[0].starts_with("cam4 lies on its side against 7 of 8 cameras")) << lines[0];
   EXPECT_TRUE(lines[1].starts_with("cam3 records 0.")) << lines[1];
+  ASSERT_TRUE(rows[0].gain && rows[1].roll);
+  EXPECT_NEAR(*rows[0].gain, 0.6, 0.02);
+  EXPECT_NEAR(std::abs(*rows[1].roll), 90, 5);
+  EXPECT_EQ(rows[0].notes, std::vector<std::string>{"dark"});
+  EXPECT_EQ(rows[1].notes, std::vector<std::string>{"turned"});
 }
 
 // Cameras that see other things than the rest: cam2 as bright as the rest, cam5 a stop darker. Bug

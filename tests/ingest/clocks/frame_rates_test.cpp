@@ -13,7 +13,6 @@ TEST(FrameRates, TheOddOneIsNamedByRate) {
     const std::string warning =
         rate_warning({"cam00", "cam01", "cam02", "cam03"}, {1 / 30.0, 1 / 24.0, alike, 0});
     EXPECT_TRUE(warning.starts_with("cam00 has 30 frames/s, the others 24: ")) << warning;
-    EXPECT_NE(warning.find("--cameras cam01,cam02,cam03"), std::string::npos) << warning;
   }
   EXPECT_EQ(rate_warning({"a", "b", "c"}, {1 / 30.0, 1001 / 30000.0, 0}), "");
   EXPECT_EQ(rate_warning({"a", "b", "c"}, {1 / 30.0, 0, 0}), "");
@@ -26,7 +25,6 @@ TEST(FrameRates, SeveralAreNamedEachWithItsRate) {
       << several;
   const std::string two = rate_warning({"a", "b"}, {0.04, 0.05});
   EXPECT_TRUE(two.starts_with("b has 20 frames/s, the other 25: ")) << two;
-  EXPECT_EQ(two.find("--cameras"), std::string::npos) << "one camera alone is no rig";
 }
 
 }  // namespace

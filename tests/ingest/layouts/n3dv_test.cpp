@@ -167,9 +167,9 @@ TEST_F(N3dv, AShorterVideoShortensAllAndIsNamed) {
   write_video(video(2), numbered_video(3, 2));
   const IngestReport report = ingest();
   EXPECT_EQ(report.frames, 9);
-  EXPECT_THAT(report.warnings, ::testing::Contains(::testing::HasSubstr(
-                                   "cam02 limits the clip to 3 of 5 timesteps; without it there "
-                                   "are 5: --cameras cam00,cam01")));
+  for (const char* line : {"cam02 limits the clip to 3 of 5 timesteps; without it there are 5",
+                           "leave out cam02 (limits the clip): --cameras cam00,cam01"})
+    EXPECT_THAT(report.warnings, ::testing::Contains(line));
   EXPECT_EQ(load_scene(folder_ / "scene", {}).frames[2].time, 1.0);
 }
 
