@@ -52,8 +52,7 @@ std::vector<CameraRow> odd_rows() {
   return camera_table(capture);
 }
 
-// Bugs put back, each seen to fail: the offset in frames is that in seconds; a camera of another
-// size left out as well.
+// Bug put back: the offset in frames is that in seconds; seen to fail.
 TEST(CameraTable, OddCamerasAreMarkedAndTheOthersAreListed) {
   const std::vector<CameraRow> rows = odd_rows();
   ASSERT_EQ(rows.size(), 10u);
@@ -81,8 +80,6 @@ TEST(CameraTable, NothingIsOddOfOneCameraAndOfCamerasThatAreAlike) {
   for (const CameraRow& row : camera_table(rig_of(4))) EXPECT_FALSE(row.is_odd()) << row.name;
 }
 
-// Bugs put back, each seen to fail: clocks that no camera has are unknown; half of the cameras and
-// more left out.
 TEST(CameraTable, AClockIsUnknownWhereOthersHaveOne) {
   Capture capture = rig_of(4);
   for (CaptureCamera& camera : capture.cameras) camera.time_source = "none";
@@ -95,7 +92,6 @@ TEST(CameraTable, AClockIsUnknownWhereOthersHaveOne) {
             "leave out cam03 (clock unknown): --cameras cam00,cam01,cam02");
 }
 
-// Bug put back: the gain of too few colours shown; seen to fail.
 TEST(CameraTable, DarkAndTurnedCamerasAreMarkedAndStay) {
   std::vector<CameraRow> rows = camera_table(rig_of(4));
   put_gains({{"cam01", {0.5, 0.6, 0.7}, 100}, {"cam02", {0.1, 0.1, 0.1}, 3}, {"none", {}, 100}},
@@ -109,8 +105,7 @@ TEST(CameraTable, DarkAndTurnedCamerasAreMarkedAndStay) {
   EXPECT_EQ(leave_out_line(rows), "");
 }
 
-// Bugs put back, each seen to fail: kept frames and those of the file exchanged; the mark on every
-// line.
+// Bug put back: the offset in frames is that in seconds; seen to fail.
 TEST(CameraTableText, TextAndJsonStateTheSame) {
   std::vector<CameraRow> rows = odd_rows();
   put_gains({{"cam03", {0.5, 0.5, 0.5}, 100}}, rows);

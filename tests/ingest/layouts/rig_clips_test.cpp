@@ -129,8 +129,7 @@ TEST_F(RigOfVideos, ACameraOfOtherColoursIsConvertedRecordedAndNamed) {
   EXPECT_EQ(scene["tessera"]["applied"]["tone_map"], "hlg to srgb, 203 nits white");
 }
 
-// 25 and 50 frames/s, a short clip, and stated offsets. Bugs put back, each seen to fail: the table
-// made before the clocks; limiting cameras not recorded.
+// 25 and 50 frames/s, a short clip, and stated offsets.
 TEST_F(RigOfVideos, TheTableNamesCamerasOfOtherRatesAndShortOnes) {
   for (int c = 0; c < kCameras; ++c)
     write_video(folder_ / fmt::format("capture/cam{:02}.mp4", c), numbered_video(10, c));

@@ -37,8 +37,7 @@ std::vector<CameraRow> two_rows() {
   return {odd, test};
 }
 
-// Bugs put back, each seen to fail: the error of the pose not read back; the key of the roll
-// misspelt.
+// Bug put back: the key of the roll misspelt; seen to fail.
 TEST(CameraSection, HasTheCellsOfTheTerminalFromWhatIsStored) {
   RunRecords records;
   const json table = camera_table_json(two_rows());
@@ -59,7 +58,6 @@ TEST(CameraSection, HasTheCellsOfTheTerminalFromWhatIsStored) {
   EXPECT_EQ(html.find("<tr class=\"odd\"><td>cam2"), std::string::npos);
 }
 
-// Bug put back: fields read with json::at, which throws; seen to fail.
 TEST(CameraSection, DamagedAndMissingTablesLeaveGaps) {
   EXPECT_EQ(camera_section({}), "");
   EXPECT_TRUE(camera_rows(nullptr).empty());
