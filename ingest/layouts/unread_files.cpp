@@ -40,11 +40,16 @@ void count_unread(const fs::path& folder, int levels, std::map<std::string, int6
   }
 }
 
-bool holds_images(const fs::path& folder) {
+/// In it or one level below.
+bool holds_images(const fs::path& folder, int levels = 1) {
   std::error_code unreachable;
-  for (const auto& entry : fs::directory_iterator(folder, unreachable))
-    if (is_image_name(entry.path()) && !entry.path().filename().string().starts_with('.'))
+  for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
+    std::error_code unresolved;
+    if (entry.path().filename().string().starts_with('.')) continue;
+    if (is_image_name(entry.path())) return true;
+    if (levels > 0 && entry.is_directory(unresolved) && holds_images(entry.path(), levels - 1))
       return true;
+  }
   return false;
 }
 

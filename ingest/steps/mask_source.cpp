@@ -4,10 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "ingest/images/alpha_and_mask.h"
 #include "ingest/images/image_source.h"
 #include "ingest/images/resampling.h"
+#include "ingest/layouts/mask_files.h"
 #include "ingest/poses/intrinsics.h"
 #include "ingest/steps/steps.h"
 #include "kernels/base/errors.h"
@@ -30,22 +34,29 @@ Image8 with_border(const Image8& mask) {
   return wider;
 }
 
-}  // namespace
-
-std::filesystem::path find_mask(const IngestOptions& options, const std::filesystem::path& image) {
-  if (options.masks.empty()) return {};
-  const std::filesystem::path whole = options.masks / image;
-  std::filesystem::path stem = whole;
-  stem.replace_extension();
-  for (const char* extension : {".png", ".PNG", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp"})
-    for (std::filesystem::path path : {whole, stem})
-      if (path += extension; std::filesystem::is_regular_file(path)) return path;
-  return {};
+const RigClip& clip_of_frame(const Capture& capture, const CaptureFrame& frame) {
+  return *std::find_if(capture.clips.begin(), capture.clips.end(),
+                       [&](const RigClip& clip) { return clip.name == frame.frame.camera_name; });
 }
 
+/// The names that the mask of a frame may have, for people.
+std::string sought_masks(const CaptureFrame& frame) {
+  if (frame.ticks)
+    return fmt::format(
+        "{0}/00000.png or {0}_00000.png (frames of the clip, counted from 0) and "
+        "{0}.png (of all frames)",
+        frame.frame.camera_name);
+  return fmt::format("{}.png (a.png or a.jpg.png for a.jpg)",
+                     std::filesystem::path(frame.image_name).replace_extension().string());
+}
+
+}  // namespace
+
 Image8 read_mask(const std::filesystem::path& file, int width, int height,
-                 const IngestOptions& options) {
-  Image8 mask = mask_of_image(read_image(file), file);
+                 const IngestOptions& options, std::atomic<int64_t>& object_masks) {
+  const Image8 image = read_image(file);
+  Image8 mask = mask_of_image(image, file);
+  if (has_object_numbers(image)) ++object_masks;
   if (mask.width > width && same_shape(mask.width, mask.height, width, height))
     mask = cut_at_half(scale_image(mask, width, height));
   check_mask_size(mask, width, height, file);
@@ -69,11 +80,30 @@ Image8 scaled_mask(const Image8& mask, double scale) {
       scale_image(mask, scaled_side(mask.width, scale), scaled_side(mask.height, scale)));
 }
 
+void note_object_masks(int64_t count, Capture& capture) {
+  if (count > 0)
+    capture.notes.push_back(fmt::format(
+        "{} masks have the numbers or colours of objects: what is not black there is used", count));
+}
+
 Capture find_masks(Capture capture, const StepContext& context) {
   if (context.options.masks.empty()) return capture;
-  for (CaptureFrame& frame : capture.frames)
-    frame.mask = find_mask(context.options,
-                           frame.image_name.empty() ? frame.frame.camera_name : frame.image_name);
+  MaskFiles files(context.options.masks);
+  std::map<std::string, std::vector<std::filesystem::path>> of_clips;  // one a frame of the clip
+  for (const RigClip& clip : capture.clips)
+    of_clips[clip.name] = files.of_clip(clip, capture.clips.size() == 1);
+  for (CaptureFrame& frame : capture.frames) {
+    if (!frame.ticks) {
+      frame.mask = files.of_image(frame.image_name);
+      continue;
+    }
+    const RigClip& clip = clip_of_frame(capture, frame);
+    const auto& ticks = clip.timeline.ticks;
+    const auto index = std::lower_bound(ticks.begin(), ticks.end(), *frame.ticks) - ticks.begin();
+    frame.mask = of_clips[clip.name][size_t(index)];
+  }
+  for (std::string& line : files.warnings()) capture.warnings.push_back(std::move(line));
+  for (std::string& line : files.notes()) capture.notes.push_back(std::move(line));
   return capture;
 }
 
@@ -85,10 +115,10 @@ Capture check_masks(Capture capture, const StepContext& context) {
   capture.inverted_masks = options.invert_masks;
   const bool none = size_t(without) == capture.frames.size();
   if (!options.masks.empty() && none)
-    throw InputError(fmt::format(
-        "{}: has no mask for any of the {} frames; name masks as the images (a.png or a.jpg.png "
-        "for a.jpg) or, for videos, as the cameras",
-        options.masks.string(), capture.frames.size()));
+    throw InputError(fmt::format("{}: has no mask for any of the {} frames; looked for {}; has {}",
+                                 options.masks.string(), capture.frames.size(),
+                                 sought_masks(capture.frames.front()),
+                                 contents_of_masks(options.masks)));
   if (options.invert_masks && none)
     throw InputError(
         "--invert-masks is given, but there are no masks; pass --masks or leave it out");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 
 #include "ingest/files/fnv1a.h"
@@ -35,14 +36,15 @@ Camera camera_of_view(const CaptureFrame& frame, const StatedView& view, const I
 }
 
 void write_image_file(const StatedView& view, Image8 image, const StepContext& context,
-                      double scale, CaptureFrame& frame) {
+                      double scale, std::atomic<int64_t>& object_masks, CaptureFrame& frame) {
   const Camera camera = camera_of_view(frame, view, image);
   const ImagePreparation preparation(camera, view.lens,
                                      fmt::format("{} ({})", view.where, view.lens_model), scale);
   if (!frame.mask.empty()) {
     frame.mask_path = "masks/" + frame.frame.name + ".png";
-    preparation.write_mask(context.folder / frame.mask_path,
-                           read_mask(frame.mask, camera.width, camera.height, context.options));
+    preparation.write_mask(
+        context.folder / frame.mask_path,
+        read_mask(frame.mask, camera.width, camera.height, context.options, object_masks));
   }
   preparation.write_image(context.folder / frame.file_path, std::move(image));
   frame.frame.camera = preparation.camera();
@@ -51,6 +53,7 @@ void write_image_file(const StatedView& view, Image8 image, const StepContext& c
 /// Files that cannot be read are left out, with their cameras.
 void write_image_files(const StepContext& context, Capture& capture) {
   ImageIntake intake(capture.frames.size());
+  std::atomic<int64_t> object_masks{0};
   convert_images(capture.frames.size(), context.progress, [&](size_t i) {
     CaptureFrame& frame = capture.frames[i];
     const StatedView& view = capture.views[size_t(frame.view)];
@@ -58,10 +61,11 @@ void write_image_files(const StepContext& context, Capture& capture) {
     const int height = view.intrinsics ? view.intrinsics->h.value_or(0) : frame.frame.camera.height;
     std::optional<Image8> image = intake.read(i, frame.image, width, height);
     if (!image) return;
-    write_image_file(view, std::move(*image), context, capture.scale, frame);
+    write_image_file(view, std::move(*image), context, capture.scale, object_masks, frame);
     if (!frame.source.name.empty()) frame.source.hash = source_hash(frame.image);
   });
   intake.finish(context.options.strict, capture);
+  note_object_masks(object_masks, capture);
   for (const CaptureFrame& frame : capture.frames)
     if (!frame.source.name.empty()) capture.sources.push_back(frame.source);
 }
@@ -92,7 +96,8 @@ class ClipWriter {
 
 /// Each mask file once; one of all frames is called as the camera.
 void write_clip_masks(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
-                      const ImagePreparation& preparation, const StepContext& context) {
+                      const ImagePreparation& preparation, const StepContext& context,
+                      std::atomic<int64_t>& object_masks) {
   const bool is_shared = std::all_of(frames.begin(), frames.end(), [&](const CaptureFrame* frame) {
     return frame->mask == frames.front()->mask;
   });
@@ -103,9 +108,9 @@ void write_clip_masks(const RigClip& clip, const std::vector<CaptureFrame*>& fra
         frame->mask, fmt::format("masks/{}.png", is_shared ? clip.name : frame->frame.name));
     frame->mask_path = file->second;
     if (is_new)
-      preparation.write_mask(
-          context.folder / file->second,
-          read_mask(frame->mask, clip.timeline.width, clip.timeline.height, context.options));
+      preparation.write_mask(context.folder / file->second,
+                             read_mask(frame->mask, clip.timeline.width, clip.timeline.height,
+                                       context.options, object_masks));
   }
 }
 
@@ -116,7 +121,8 @@ void record_tone_map(const std::string& of_clip, Capture& capture) {
 }
 
 void write_clip(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
-                const StepContext& context, Capture& capture, int64_t& done) {
+                const StepContext& context, std::atomic<int64_t>& object_masks, Capture& capture,
+                int64_t& done) {
   const RigCamera& stored = *clip.camera;
   const ImagePreparation preparation(stored.camera, stored.lens,
                                      clip.video.string() + " (" + stored.lens_model + ")",
@@ -135,19 +141,21 @@ void write_clip(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
     return true;
   });
   writer.write();
-  write_clip_masks(clip, frames, preparation, context);
+  write_clip_masks(clip, frames, preparation, context, object_masks);
   for (CaptureFrame* frame : frames) frame->frame.camera = preparation.camera();
   record_tone_map(tone_map, capture);
 }
 
 void write_clips(const StepContext& context, Capture& capture) {
   int64_t done = 0;
+  std::atomic<int64_t> object_masks{0};
   for (const RigClip& clip : capture.clips) {
     std::vector<CaptureFrame*> frames;
     for (CaptureFrame& frame : capture.frames)
       if (frame.frame.camera_name == clip.name) frames.push_back(&frame);
-    write_clip(clip, frames, context, capture, done);
+    write_clip(clip, frames, context, object_masks, capture, done);
   }
+  note_object_masks(object_masks, capture);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
+#include "ingest/layouts/mask_files.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {
@@ -46,16 +47,17 @@ class MaskSource : public ::testing::Test {
 };
 
 TEST_F(MaskSource, FoundByTheNameWithOrWithoutTheImagesExtension) {
-  EXPECT_EQ(find_mask({}, "train/a.jpg"), "");
-  EXPECT_EQ(find_mask(options_, "train/a.jpg"), "");
+  const auto found = [&](const char* image) { return MaskFiles(options_.masks).of_image(image); };
+  EXPECT_EQ(found(""), "");
+  EXPECT_EQ(found("train/a.jpg"), "");
+  write_bytes(folder_ / "masks/train/A.JPG", "");
+  EXPECT_EQ(found("train/a.jpg"), folder_ / "masks/train/A.JPG");
   write_bytes(folder_ / "masks/train/a.jpg", "");
-  EXPECT_EQ(find_mask(options_, "train/a.jpg"), folder_ / "masks/train/a.jpg");
+  EXPECT_EQ(found("train/a.jpg"), folder_ / "masks/train/a.jpg");
   write_bytes(folder_ / "masks/train/a.png", "");
-  EXPECT_EQ(find_mask(options_, "train/a.jpg"), folder_ / "masks/train/a.png");
+  EXPECT_EQ(found("train/a.jpg"), folder_ / "masks/train/a.png");
   write_bytes(folder_ / "masks/train/b.jpg.png", "");
-  EXPECT_EQ(find_mask(options_, "train/b.jpg"), folder_ / "masks/train/b.jpg.png");
-  write_bytes(folder_ / "masks/cam.01.png", "");  // a camera's name is no file's
-  EXPECT_EQ(find_mask(options_, "cam.01"), folder_ / "masks/cam.01.png");
+  EXPECT_EQ(found("train/b.jpg"), folder_ / "masks/train/b.jpg.png");
 }
 
 // Bugs put back, each seen to fail: no inversion; the mask of the first frame stated for all.
@@ -92,7 +94,8 @@ TEST_F(MaskSource, WithoutMasksNothingIsSaidOfThem) {
 }
 
 TEST_F(MaskSource, MasksThatNoFrameHasAreRefused) {
-  expect_input_error([&] { ingest(); }, {"masks", "no mask for any of the 6 frames", "a.jpg.png"});
+  expect_input_error([&] { ingest(); }, {"masks", "no mask for any of the 6 frames",
+                                         "train/r_000.png", "a.jpg.png", "has train (0 images)"});
   options_.masks.clear();
   options_.invert_masks = true;
   expect_input_error([&] { ingest(); }, {"--invert-masks", "--masks"});
@@ -121,7 +124,8 @@ TEST_F(MaskSource, MayBeAsLargeAsTheImagesOnceWere) {
   const auto pixel = [&](int width, int height, bool inverted) {
     write("train/r_000.png", right_half(width, height));
     options_.invert_masks = inverted;
-    return read_mask(folder_ / "masks/train/r_000.png", 8, 6, options_).data;
+    std::atomic<int64_t> object_masks{0};
+    return read_mask(folder_ / "masks/train/r_000.png", 8, 6, options_, object_masks).data;
   };
   EXPECT_EQ(pixel(32, 24, false), right_half(8, 6).data);
   EXPECT_NE(pixel(32, 24, true), right_half(8, 6).data);
