@@ -143,4 +143,19 @@ std::optional<Sound> read_sound(const std::filesystem::path& path, int rate, dou
   return sound;
 }
 
+std::optional<Sound> read_clip_sound(const RigClip& clip, int rate, double seconds) {
+  std::optional<Sound> sound = read_sound(clip.video, rate, seconds);
+  const size_t most = size_t(seconds * rate);
+  for (size_t i = 0; sound && i < clip.chapters.size() && sound->samples.size() < most; ++i) {
+    const std::optional<Sound> next = read_sound(clip.chapters[i], rate, seconds);
+    if (!next) break;
+    const double begin =
+        next->begin + clip.timeline.time_base.at(clip.timeline.chapters[i].shift) - sound->begin;
+    sound->samples.resize(std::min(most, size_t(std::lround(std::max(0.0, begin) * rate))));
+    sound->samples.insert(sound->samples.end(), next->samples.begin(), next->samples.end());
+    sound->samples.resize(std::min(most, sound->samples.size()));
+  }
+  return sound;
+}
+
 }  // namespace tessera

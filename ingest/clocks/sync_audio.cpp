@@ -106,7 +106,7 @@ std::optional<std::vector<ClipClock>> synchronise_by_audio(const std::vector<Rig
   for (size_t i = 0; i < clips.size(); ++i) {
     if (progress) progress("sound", int64_t(i), int64_t(clips.size()));
     auto sound =
-        clips[i].timeline.has_audio ? read_sound(clips[i].video, kRate, kSeconds) : std::nullopt;
+        clips[i].timeline.has_audio ? read_clip_sound(clips[i], kRate, kSeconds) : std::nullopt;
     if (!sound) {
       reason = fmt::format("{}: has no sound that can be decoded", clips[i].name);
       return std::nullopt;

@@ -19,6 +19,9 @@ struct Sound {
 /// that can be decoded.
 std::optional<Sound> read_sound(const std::filesystem::path& path, int rate, double seconds);
 
+/// The same of a clip with its chapters, on the clip's clock.
+std::optional<Sound> read_clip_sound(const RigClip& clip, int rate, double seconds);
+
 struct SoundDelay {
   double seconds = 0;     // how much later than b's stamps a's stamps show the same sound
   double confidence = 0;  // the peak by the highest one more than 10 ms beside it; noise has 1

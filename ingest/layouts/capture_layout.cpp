@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "ingest/calibration/model_photos.h"
 #include "ingest/colmap/colmap_model.h"
@@ -14,29 +13,9 @@
 #include "ingest/poses/llff_poses.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
-#include "kernels/base/lower_case.h"
 
 namespace tessera {
-namespace {
-
 namespace fs = std::filesystem;
-
-}  // namespace
-
-std::vector<fs::path> videos_in(const fs::path& folder) {
-  constexpr std::array<const char*, 5> kExtensions{".mp4", ".mkv", ".mov", ".avi", ".webm"};
-  std::vector<fs::path> videos;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string extension = lower_case(entry.path().extension().string());
-    const bool is_video =
-        std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
-    const bool is_hidden = entry.path().filename().string().front() == '.';
-    std::error_code unreachable;  // a link to itself is opened later, and named then
-    if (is_video && !is_hidden && !entry.is_directory(unreachable)) videos.push_back(entry.path());
-  }
-  std::sort(videos.begin(), videos.end());
-  return videos;
-}
 
 const std::vector<LayoutRow>& layout_rows() {
   using enum CaptureLayout;
@@ -112,6 +91,23 @@ bool has_posed_photos(const fs::path& capture, std::optional<ImageLayout> image_
   return names_photos(model, folders);
 }
 
+/// Whether the sub-folders are cameras with a video each. Errors: AmbiguousCapture.
+bool has_video_rig(const fs::path& capture) {
+  const VideoFolders found = find_video_folders(capture);
+  if (found.evidence != RigEvidence::kUnclear) return found.evidence == RigEvidence::kRig;
+  throw AmbiguousCapture(fmt::format(
+      "{}: has {}: one scene filmed by {} cameras, or a capture in each folder; pass --layout rig "
+      "for the former, --batch for the latter",
+      capture.string(), found.seen, found.cameras.size()));
+}
+
+/// Whether --layout rig is stated of sub-folders of videos.
+bool is_stated_video_rig(const fs::path& capture, std::optional<ImageLayout> image_layout) {
+  return image_layout == ImageLayout::kRig && videos_in(capture).empty() &&
+         find_image_sequences(capture).cameras.size() < 2 &&
+         find_video_folders(capture).cameras.size() > 1;
+}
+
 bool is_sequences(std::optional<ImageLayout> image_layout) {
   return image_layout && *image_layout != ImageLayout::kPhotos;
 }
@@ -120,7 +116,9 @@ bool is_sequences(std::optional<ImageLayout> image_layout) {
 
 CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageLayout> image_layout) {
   require_folder(capture);
-  if (is_sequences(image_layout)) return CaptureLayout::kSequences;
+  if (is_sequences(image_layout))
+    return is_stated_video_rig(capture, image_layout) ? CaptureLayout::kVideos
+                                                      : CaptureLayout::kSequences;
   if (has_transforms(capture)) return CaptureLayout::kTransforms;
   const bool has_videos = !videos_in(capture).empty();
   if (has_videos && fs::exists(capture / "poses_bounds.npy")) return CaptureLayout::kN3dv;
@@ -135,6 +133,8 @@ CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageLayout> 
         "or remove the folder to have poses estimated",
         (capture / "sparse").string()));
   if (has_photos) return CaptureLayout::kPhotos;
+  if (has_video_rig(capture))
+    return fs::exists(capture / "poses_bounds.npy") ? CaptureLayout::kN3dv : CaptureLayout::kVideos;
   throw InputError(fmt::format(
       "{}: no transforms.json, no transforms_train.json, no COLMAP model (sparse/0 or sparse with "
       "cameras.bin or cameras.txt), no videos (*.mp4, *.mkv, *.mov, *.avi, *.webm) and no images "
@@ -169,7 +169,7 @@ CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
       !find_colmap_model(capture).empty())
     return CaptureLayout::kColmap;  // the model has the lenses
   if (poses.empty() || detected == CaptureLayout::kSequences) return detected;
-  const bool has_videos = !videos_in(capture).empty();
+  const bool has_videos = row_of(detected).clips;
   if (poses == "llff") return CaptureLayout::kLlff;
   if (poses == "n3dv") {
     if (detected == CaptureLayout::kN3dv) return detected;

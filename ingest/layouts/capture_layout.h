@@ -8,11 +8,9 @@
 #include "ingest/ingest.h"
 #include "ingest/layouts/image_sequences.h"
 #include "ingest/layouts/layout_readers.h"
+#include "ingest/layouts/video_files.h"
 
 namespace tessera {
-
-/// The videos directly in `folder`, sorted by name.
-std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder);
 
 /// What `capture` is read as: what `options` state, else by its files and by where the poses are to
 /// come from. Errors: as detect_layout, and where the stated poses do not fit what is there.

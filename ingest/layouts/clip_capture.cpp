@@ -11,20 +11,25 @@ namespace tessera {
 namespace {
 
 std::vector<RigClip> video_clips(const std::filesystem::path& folder) {
-  std::map<std::string, std::filesystem::path> videos;
-  for (const std::filesystem::path& video : videos_in(folder)) {
-    const auto [first, is_new] = videos.emplace(video.stem().string(), video);
+  std::map<std::string, VideoCamera> videos;
+  for (VideoCamera& video : video_cameras(folder)) {
+    const auto [first, is_new] = videos.emplace(video.name, video);
     if (!is_new)
-      throw InputError(
-          fmt::format("{}: has the camera '{}' twice, as {} and {}; rename or remove one of them",
-                      folder.string(), first->first, first->second.filename().string(),
-                      video.filename().string()));
+      throw InputError(fmt::format(
+          "{}: has the camera '{}' twice, as {} and {}; rename or remove one of them",
+          folder.string(), first->first, first->second.files.front().filename().string(),
+          video.files.front().filename().string()));
   }
   if (videos.empty())
     throw InputError(
         fmt::format("{}: has no videos; put one file per camera there", folder.string()));
   std::vector<RigClip> clips;
-  for (const auto& [name, video] : videos) clips.push_back({name, video, {}, {}});
+  for (auto& [name, video] : videos) {
+    RigClip& clip = clips.emplace_back();
+    clip.name = name;
+    clip.video = video.files.front();
+    clip.chapters.assign(video.files.begin() + 1, video.files.end());
+  }
   return clips;
 }
 
@@ -45,6 +50,12 @@ Capture read_clip_layout(const std::filesystem::path& folder, const IngestOption
   capture.folder = folder;
   capture.layout = of_images ? "sequences" : "videos";
   capture.clips = of_images ? image_clips(folder, options.image_layout) : video_clips(folder);
+  for (const RigClip& clip : capture.clips)
+    if (!clip.chapters.empty())
+      capture.notes.push_back(fmt::format("{}: camera {} is {} chapters of one recording, {} to {}",
+                                          folder.string(), clip.name, clip.chapters.size() + 1,
+                                          clip.video.filename().string(),
+                                          clip.chapters.back().filename().string()));
   capture.posed = false;
   capture.is_timed = true;
   capture.times_from = folder;

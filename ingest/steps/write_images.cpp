@@ -167,7 +167,10 @@ Capture write_images(Capture capture, const StepContext& context) {
   else
     write_image_files(context, capture);
   for (const RigClip& clip : capture.clips)
-    capture.sources.push_back({clip.video.filename().string(), clip_hash(clip)});
+    capture.sources.push_back({(clip.images.empty() ? clip.video.lexically_relative(capture.folder)
+                                                    : clip.video.filename())
+                                   .string(),
+                               clip_hash(clip)});
   for (const auto& [name, file] : capture.files)
     capture.sources.push_back({name, source_hash(file)});
   if (!capture.clips.empty() && capture.frames.front().view >= 0)

@@ -42,6 +42,12 @@ struct FrameColour {
   }
 };
 
+/// Where a further file of a recording begins in the clip.
+struct ChapterStart {
+  int64_t first = 0;  // ticks of its first frame in the clip
+  int64_t shift = 0;  // ticks that are added to those of the file
+};
+
 /// The presentation times of the frames, and the defects of their clock.
 struct VideoTimeline {
   int width = 0, height = 0;    // of the upright image: a rotation flag is undone
@@ -56,6 +62,8 @@ struct VideoTimeline {
   std::vector<std::string> warnings;  // each with the file: gaps, duplicates, truncation, with
                                       // seconds, and interlaced frames
 
+  std::vector<ChapterStart> chapters{};  // one a further file; empty where there is one file
+
   double seconds(size_t frame) const { return time_base.at(ticks[frame]); }
 };
 
@@ -65,7 +73,8 @@ struct RigClip {
   std::filesystem::path video;  // of images: their folder, or that and what their names begin with
   VideoTimeline timeline;
   std::optional<RigCamera> camera;
-  std::vector<NumberedImage> images{};  // numbers are ticks; empty for a video
+  std::vector<NumberedImage> images{};            // numbers are ticks; empty for a video
+  std::vector<std::filesystem::path> chapters{};  // further files of the recording, in their order
 };
 
 }  // namespace tessera

@@ -10,6 +10,7 @@
 #include "ingest/images/alpha_and_mask.h"
 #include "ingest/images/image_source.h"
 #include "ingest/images/resampling.h"
+#include "ingest/video/chapters.h"
 #include "ingest/video/frame_timing.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -70,7 +71,7 @@ void read_images(const RigClip& clip, const std::vector<int64_t>& wanted,
 }  // namespace
 
 VideoTimeline read_clip_timeline(const RigClip& clip, double image_rate) {
-  if (clip.images.empty()) return read_timeline(clip.video);
+  if (clip.images.empty()) return joined_timeline(clip);
   const Image8 first = read_image(clip.images.front().file);
   VideoTimeline timeline;
   timeline.width = first.width;
@@ -85,13 +86,15 @@ VideoTimeline read_clip_timeline(const RigClip& clip, double image_rate) {
 
 void decode_clip(const RigClip& clip, const std::vector<int64_t>& wanted,
                  const std::function<bool(VideoFrame)>& on_frame, const DecodeOptions& options) {
-  if (clip.images.empty()) return decode_frames(clip.video, wanted, on_frame, options);
+  if (clip.images.empty()) return decode_chapters(clip, wanted, on_frame, options);
   read_images(clip, wanted, on_frame, options);
 }
 
 std::string clip_hash(const RigClip& clip) {
-  if (clip.images.empty()) return source_hash(clip.video);
+  if (clip.images.empty() && clip.chapters.empty()) return source_hash(clip.video);
   Fnv1a hash;
+  if (clip.images.empty()) hash.add(source_hash(clip.video));
+  for (const std::filesystem::path& chapter : clip.chapters) hash.add(source_hash(chapter));
   for (const NumberedImage& image : clip.images) hash.add(source_hash(image.file));
   return hash.hex();
 }

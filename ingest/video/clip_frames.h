@@ -10,8 +10,9 @@
 
 namespace tessera {
 
-/// Of images: number n is shown at n / image_rate; gaps are warned of. Errors: InputError naming
-/// the file: as read_timeline; an image that cannot be read.
+/// Of images: number n is shown at n / image_rate; gaps are warned of. Chapters of a video follow
+/// each other without a gap, as chapters.h has it. Errors: InputError naming the file: as
+/// read_timeline and joined_timeline; an image that cannot be read.
 VideoTimeline read_clip_timeline(const RigClip& clip, double image_rate);
 
 /// As decode_frames. Images are handed over as stored, RGB or RGBA (grey is repeated), and as many
@@ -21,7 +22,8 @@ void decode_clip(const RigClip& clip, const std::vector<int64_t>& wanted,
                  const std::function<bool(VideoFrame)>& on_frame,
                  const DecodeOptions& options = {});
 
-/// source_hash of the video, or one of all images. Errors: InputError: a file cannot be read.
+/// source_hash of the video, or one of all chapters or images. Errors: InputError: a file cannot be
+/// read.
 std::string clip_hash(const RigClip& clip);
 
 }  // namespace tessera

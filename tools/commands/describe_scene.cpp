@@ -101,11 +101,13 @@ json describe_videos(const fs::path& folder) {
                {"layout", has_poses ? "n3dv" : "videos"}};
   json names = json::array();
   int64_t bytes = 0;
-  for (const fs::path& video : videos_in(folder)) {
-    names.push_back(video.filename().string());
-    bytes += int64_t(fs::file_size(video));
-  }
-  info["cameras"] = names.size();
+  const std::vector<VideoCamera> cameras = video_cameras(folder);
+  for (const VideoCamera& camera : cameras)
+    for (const fs::path& video : camera.files) {
+      names.push_back(video.lexically_relative(folder).string());
+      bytes += int64_t(fs::file_size(video));
+    }
+  info["cameras"] = cameras.size();
   info["videos"] = names;
   info["bytes"] = bytes;
   if (has_poses) {
