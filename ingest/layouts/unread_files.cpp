@@ -72,4 +72,9 @@ std::vector<std::string> unread_files(const fs::path& capture, bool has_masks) {
   return lines;
 }
 
+std::string with_unread_files(std::string error, const fs::path& capture) {
+  for (const std::string& line : unread_files(capture, true)) error += "; " + line;
+  return error;
+}
+
 }  // namespace tessera

@@ -12,4 +12,8 @@ namespace tessera {
 /// listed are passed over.
 std::vector<std::string> unread_files(const std::filesystem::path& capture, bool has_masks);
 
+/// `error` with what unread_files() says of images and videos behind it, in one line: where a
+/// capture is refused they may be the reason.
+std::string with_unread_files(std::string error, const std::filesystem::path& capture);
+
 }  // namespace tessera

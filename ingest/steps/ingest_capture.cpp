@@ -110,7 +110,6 @@ IngestReport report_of(Capture capture, CaptureLayout layout) {
 /// As ingest_capture, but errors of the file system are thrown as std::filesystem_error.
 IngestReport ingest_staged(const std::filesystem::path& folder, const std::filesystem::path& out,
                            IngestOptions options, const IngestProgress& progress) {
-  check_options(options);
   if (options.sample) take_sample(options);
   const CaptureLayout layout = layout_of(folder, options);
   check_layout_options(row_of(layout), options);
@@ -127,12 +126,25 @@ IngestReport ingest_staged(const std::filesystem::path& folder, const std::files
   return report_of(std::move(capture), layout);
 }
 
+/// As ingest_staged; errors also name what lies there and is not read.
+IngestReport ingest_named(const std::filesystem::path& folder, const std::filesystem::path& out,
+                          const IngestOptions& options, const IngestProgress& progress) {
+  try {
+    return ingest_staged(folder, out, options, progress);
+  } catch (const AmbiguousCapture&) {
+    throw;
+  } catch (const InputError& error) {
+    throw InputError(with_unread_files(error.what(), folder));
+  }
+}
+
 }  // namespace
 
 IngestReport ingest_capture(const std::filesystem::path& capture, const std::filesystem::path& out,
                             const IngestOptions& options, const IngestProgress& progress) {
   try {
-    return ingest_staged(capture, out, options, progress);
+    check_options(options);
+    return ingest_named(capture, out, options, progress);
   } catch (const std::filesystem::filesystem_error& error) {  // link loops, folders without access
     throw InputError(fmt::format("{}: cannot be reached ({}); check this path and its permissions",
                                  error.path1().string(), error.code().message()));

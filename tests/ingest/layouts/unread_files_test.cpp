@@ -45,6 +45,24 @@ TEST(UnreadFiles, MasksBesideTheImagesAreNamed) {
   EXPECT_TRUE(unread_files(folder.path(), true).empty());
 }
 
+// Bugs put back, each seen to fail: named after success alone; the kind of the error lost.
+TEST(UnreadFiles, AreNamedWhereACaptureIsRefused) {
+  const TemporaryFolder folder;
+  put(folder / "phone/IMG_0001.HEIC");
+  put(folder / "phone/IMG_0002.HEIC");
+  const auto ingest = [&] { ingest_capture(folder / "phone", folder / "scene", {}, {}); };
+  expect_input_error(ingest, {"no images", "2 .heic files are not read; to use them, convert"});
+  for (const char* name :
+       {"phone/a/0001.png", "phone/a/0002.png", "phone/b/0001.png", "phone/b/0002.png"}) {
+    put(folder / name);
+  }
+  EXPECT_THROW(ingest(), AmbiguousCapture);
+  IngestOptions photos;
+  photos.scale = 2;
+  expect_input_error([&] { ingest_capture(folder / "phone", folder / "scene", photos, {}); },
+                     {"--scale is 2"});
+}
+
 // Bug put back: a capture's own masks, which its transforms file states, named; seen to fail.
 TEST(UnreadFiles, AreReportedByTheConversion) {
   const TemporaryFolder folder;
