@@ -84,7 +84,8 @@ bool has_image_rig(const fs::path& capture, std::optional<ImageLayout> image_lay
 bool has_posed_photos(const fs::path& capture, std::optional<ImageLayout> image_layout) {
   const fs::path model = find_colmap_model(capture);
   if (model.empty()) return false;
-  const bool has_videos = !videos_in(capture).empty();
+  const bool has_videos =
+      !videos_in(capture).empty() || find_video_folders(capture).evidence != RigEvidence::kNone;
   const std::vector<fs::path> folders = photo_folders(capture);
   if (folders.empty()) return !has_videos && !has_image_rig(capture, image_layout);
   if (!has_videos && find_image_sequences(capture).evidence == RigEvidence::kNone) return true;

@@ -7,9 +7,9 @@
 #include <optional>
 #include <set>
 
+#include "ingest/images/image_names.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/images/image_names.h"
 #include "ingest/test_views.h"
 #include "kernels/base/lower_case.h"
 

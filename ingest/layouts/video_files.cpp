@@ -9,7 +9,7 @@
 #include <optional>
 #include <set>
 
-#include "ingest/layouts/image_names.h"
+#include "ingest/images/image_names.h"
 #include "ingest/prepared/transforms_json.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"

@@ -156,7 +156,7 @@ TEST_F(RigOfVideos, TheTableNamesCamerasOfOtherRatesAndShortOnes) {
   EXPECT_EQ(rows[6].clock_source, "stated");
   EXPECT_NEAR(rows[6].clock_offset_frames, 1, 1e-9);
   EXPECT_EQ(rows[6].pose_source, "stated");
-  EXPECT_TRUE(rows[0].test && !rows[1].test);
+  EXPECT_TRUE(rows[3].test && !rows[0].test) << "the innermost";
   EXPECT_EQ(report.warnings.at(0),
             "leave out cam02 (other rate), cam05 (limits the clip): --cameras "
             "cam00,cam01,cam03,cam04,cam06,cam07");

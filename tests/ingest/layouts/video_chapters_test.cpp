@@ -84,6 +84,10 @@ TEST_F(VideoChapters, LayoutsOfTheHowToPagesAreDetected) {
             CaptureLayout::kN3dv);
   EXPECT_EQ(detected({"c/cam00/video.mp4", "c/cam01/video.mp4", "c/poses_bounds.npy"}, "c"),
             CaptureLayout::kN3dv);
+  EXPECT_EQ(detected({"c/cam00/video.mp4", "c/cam01/video.mp4", "c/sparse/0/cameras.txt",
+                      "c/sparse/0/images.txt"},
+                     "c"),
+            CaptureLayout::kVideos);
   EXPECT_EQ(detected({"c/gopro_1/GX010012.MP4", "c/gopro_1/GX020012.MP4", "c/gopro_2/GX010044.MP4",
                       "c/cam_3/IMG_0001.MOV"},
                      "c"),
