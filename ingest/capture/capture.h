@@ -103,8 +103,8 @@ struct Capture {
   std::vector<SourceFile> sources;
 };
 
-/// Takes the far_origin() of all poses, which are stated, out of them, beside `origin` that was taken
-/// out already.
+/// Takes the far_origin() of all poses, which are stated, out of them, beside `origin` that was
+/// taken out already.
 void take_origin_out(Capture& capture);
 
 std::vector<std::string> clip_names(const Capture& capture);
