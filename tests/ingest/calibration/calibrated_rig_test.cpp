@@ -20,7 +20,7 @@ using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr int kCameras = 3, kFrames = 4;
+constexpr int kClips = 3, kFrames = 4;
 
 Stand stand_of(int camera) {
   return looking_at_origin({4.0, 0.5 * camera, 1.0});
@@ -33,7 +33,7 @@ class CalibratedRig : public ::testing::Test {
   void TearDown() override { ::unsetenv("TESSERA_COLMAP"); }
 
   void write_images() {
-    for (int c = 0; c < kCameras; ++c) {
+    for (int c = 0; c < kClips; ++c) {
       const auto camera = folder_ / fmt::format("capture/cam{:02}", c + 1);
       std::filesystem::create_directories(camera);
       for (int t = 0; t < kFrames; ++t)
@@ -42,13 +42,13 @@ class CalibratedRig : public ::testing::Test {
   }
   void write_videos() {
     std::filesystem::create_directories(folder_ / "capture");
-    for (int c = 0; c < kCameras; ++c)
+    for (int c = 0; c < kClips; ++c)
       write_video(folder_ / fmt::format("capture/cam{:02}.mp4", c + 1), numbered_video(kFrames, c));
   }
   /// A model whose images are called by `pattern` with the number of a camera, from 1.
   static WrittenModel model(const std::string& pattern) {
-    WrittenModel model = small_colmap_model(kCameras);
-    for (int c = 0; c < kCameras; ++c) {
+    WrittenModel model = small_colmap_model(kClips);
+    for (int c = 0; c < kClips; ++c) {
       model.images[size_t(c)].name = fmt::format(fmt::runtime(pattern), c + 1);
       stand_at(model.images[size_t(c)], stand_of(c));
     }
@@ -65,7 +65,7 @@ class CalibratedRig : public ::testing::Test {
   /// The scene has the cameras of the rig where they stand.
   void expect_posed(size_t points) const {
     const Scene scene = load_scene(folder_ / "scene", {});
-    ASSERT_EQ(scene.frames.size(), size_t(kCameras * kFrames));
+    ASSERT_EQ(scene.frames.size(), size_t(kClips * kFrames));
     for (const Frame& frame : scene.frames) {
       const int c = frame.camera_name.back() - '1';
       EXPECT_NEAR(frame.camera.position().y, 0.5 * c, 1e-9) << frame.name;
@@ -155,7 +155,7 @@ TEST_F(CalibratedRig, AModelThatDoesNotFitIsNamedAndPosesAreEstimated) {
 
 json rig_json() {
   json cameras = json::object();
-  for (int c = 0; c < kCameras; ++c) {
+  for (int c = 0; c < kClips; ++c) {
     const Stand stand = stand_of(c);
     json rotation = json::array(), translation = json::array();
     for (const glm::dvec3& axis : {stand.right, -stand.up, stand.forward}) {

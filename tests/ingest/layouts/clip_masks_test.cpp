@@ -58,8 +58,8 @@ class ClipMasks : public ::testing::Test {
   std::string warnings_, notes_;
 };
 
-// Bugs put back, each seen to fail: the place in the list for the number; names compared with their
-// case; the tick of a video for the number of its frame.
+// Bugs put back, each seen to fail: names compared with their case; the tick of a video for the
+// number of its frame.
 TEST_F(ClipMasks, ByTheNumberOfTheFrameInAnyOfTheUsualPlaces) {
   for (const char* pattern : {"cam00/{:05}.png", "cam00/frame_{:05}.png", "Cam00/{}.jpg",
                               "masks/cam00/{:04}.png", "cam00/masks/{:04}.png", "cam00_{:05}.png",
@@ -75,7 +75,8 @@ TEST_F(ClipMasks, ByTheNumberOfTheFrameInAnyOfTheUsualPlaces) {
   }
 }
 
-// Bugs put back, each seen to fail: numbers from 1 not recognised; no warning.
+// Bugs put back, each seen to fail: numbers from 1 not recognised; the place in the list for the
+// number; no warning.
 TEST_F(ClipMasks, CountedFromOneOrFewerThanFrames) {
   write("cam00/{}.png", 1, 3);
   EXPECT_EQ(masks_of(clip_of_frames("cam00", 3)), "cam00/1.png cam00/2.png cam00/3.png ");

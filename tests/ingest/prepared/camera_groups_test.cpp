@@ -15,7 +15,7 @@ namespace {
 using Name = std::function<std::string(int camera, int step)>;
 using Frames = std::vector<UngroupedFrame>;
 
-constexpr int kCameras = 4, kSteps = 5;
+constexpr int kRigCameras = 4, kRigSteps = 5;
 
 /// The frame as transforms_json.cpp lists it: its camera is its folder.
 UngroupedFrame frame_of(const std::string& name, double time, int view) {
@@ -26,10 +26,10 @@ UngroupedFrame frame_of(const std::string& name, double time, int view) {
 /// Cameras that film together. A moving rig has a view a frame; `late`: clock of a camera.
 Frames rig(const Name& name, bool moves = false, double late = 0) {
   Frames frames;
-  for (int step = 0; step < kSteps; ++step)
-    for (int camera = 0; camera < kCameras; ++camera)
+  for (int step = 0; step < kRigSteps; ++step)
+    for (int camera = 0; camera < kRigCameras; ++camera)
       frames.push_back(frame_of(name(camera, step), step + late * camera,
-                                moves ? step * kCameras + camera : camera));
+                                moves ? step * kRigCameras + camera : camera));
   return frames;
 }
 
@@ -60,7 +60,7 @@ std::string folders(int camera, int step) {
   return fmt::format("cam{:02}/{:04}", camera, step);
 }
 std::string counted(int camera, int step) {
-  return fmt::format("images/{:04}", camera * kSteps + step);
+  return fmt::format("images/{:04}", camera * kRigSteps + step);
 }
 
 // Bug put back: the folder as the camera (no group_cameras); seen to fail.
@@ -70,7 +70,7 @@ TEST(CameraGroups, NamesInOneFolderAreThoseOfFolders) {
     const CameraGroups groups = group_cameras(frames);
     EXPECT_TRUE(groups.regrouped);
     for (const auto& [camera, names] : members(frames, groups)) {
-      EXPECT_EQ(names.size(), size_t(kSteps));
+      EXPECT_EQ(names.size(), size_t(kRigSteps));
       for (const std::string& name : names) EXPECT_EQ(name.substr(7, 5), camera);
     }
     EXPECT_EQ(groups.note, fmt::format("read as 4 cameras with 5 images each, by {}",
@@ -107,7 +107,7 @@ TEST(CameraGroups, ViewsAreCamerasWhereNamesSayNothing) {
             members(frames, group_cameras(frames)));
   const CameraGroups alone = group_cameras(rig(counted, true));
   EXPECT_EQ(std::set<std::string>(alone.cameras.begin(), alone.cameras.end()).size(),
-            size_t(kCameras * kSteps));
+            size_t(kRigCameras * kRigSteps));
   EXPECT_NE(alone.note.find("neither poses nor names"), std::string::npos) << alone.note;
 }
 
@@ -115,7 +115,7 @@ TEST(CameraGroups, ViewsAreCamerasWhereNamesSayNothing) {
 TEST(CameraGroups, ViewsDecideAgainstNames) {
   for (const auto& named : {flat, folders}) {
     const Frames frames = rig([&](int camera, int step) {
-      return named(step % 2 == 0 ? camera : kCameras - 1 - camera, step);
+      return named(step % 2 == 0 ? camera : kRigCameras - 1 - camera, step);
     });
     const CameraGroups groups = group_cameras(frames);
     for (size_t i = 0; i < frames.size(); ++i)
@@ -158,11 +158,11 @@ TEST(CameraGroups, TwoClipsOfOneCameraStayOne) {
 
 TEST(CameraGroups, FixedCamerasAndOneThatMoves) {
   Frames frames = rig(flat);
-  for (int i = 0; i < kSteps; ++i)
+  for (int i = 0; i < kRigSteps; ++i)
     frames.push_back(frame_of(fmt::format("images/head_{:04}", i), i, 100 + i));
   EXPECT_EQ(cameras_of(frames), "cam00 cam01 cam02 cam03 head");
   frames = rig(counted);
-  for (int i = 0; i < kSteps; ++i)
+  for (int i = 0; i < kRigSteps; ++i)
     frames.push_back(frame_of(fmt::format("images/{:04}", 100 + i), i, 100 + i));
   EXPECT_EQ(cameras_of(frames), "camera_0 camera_1 camera_2 camera_3 camera_4");
 }

@@ -16,23 +16,23 @@ namespace {
 using namespace tessera::testing;
 using nlohmann::json;
 
-constexpr int kCameras = 3, kSteps = 4;
+constexpr int kTimedCameras = 3, kTimedSteps = 4;
 
 /// A rig of fixed cameras, a folder each; `change` adds keys to the entry of an image.
 void write_rig(const TemporaryFolder& folder,
                const std::function<void(json&, int camera, int step)>& change) {
   json file{{"camera_angle_x", 0.7}, {"frames", json::array()}};
-  for (int camera = 0; camera < kCameras; ++camera) {
+  for (int camera = 0; camera < kTimedCameras; ++camera) {
     const std::string name = fmt::format("cam{:02}", camera);
     std::filesystem::create_directories(folder / name);
-    for (int step = 0; step < kSteps; ++step) {
+    for (int step = 0; step < kTimedSteps; ++step) {
       json frame{{"file_path", fmt::format("{}/{:04}.png", name, step)},
                  {"transform_matrix",
                   gl_matrix(looking_at_origin({4 * std::cos(camera), 4 * std::sin(camera), 1}))}};
       change(frame, camera, step);
       file["frames"].push_back(frame);
       write_png(folder / fmt::format("{}/{:04}.png", name, step),
-                patterned_image(8, 6, 3, camera * kSteps + step));
+                patterned_image(8, 6, 3, camera * kTimedSteps + step));
     }
   }
   write_bytes(folder / "transforms.json", file.dump(1));
@@ -53,11 +53,11 @@ void write_photos(const TemporaryFolder& folder, const std::function<void(json&,
 void expect_rig(const TemporaryFolder& folder, const std::string& note) {
   const Scene scene = load_scene(folder.path(), {});
   EXPECT_FALSE(scene.is_static);
-  ASSERT_EQ(scene.frames.size(), size_t(kCameras * kSteps));
-  for (int i = 0; i < kCameras * kSteps; ++i) {
-    EXPECT_EQ(scene.frames[size_t(i)].timestep, i % kSteps);
-    EXPECT_NEAR(scene.frames[size_t(i)].time, (i % kSteps) / double(kSteps - 1), 1e-5);
-    EXPECT_EQ(scene.frames[size_t(i)].camera_name, fmt::format("cam{:02}", i / kSteps));
+  ASSERT_EQ(scene.frames.size(), size_t(kTimedCameras * kTimedSteps));
+  for (int i = 0; i < kTimedCameras * kTimedSteps; ++i) {
+    EXPECT_EQ(scene.frames[size_t(i)].timestep, i % kTimedSteps);
+    EXPECT_NEAR(scene.frames[size_t(i)].time, (i % kTimedSteps) / double(kTimedSteps - 1), 1e-5);
+    EXPECT_EQ(scene.frames[size_t(i)].camera_name, fmt::format("cam{:02}", i / kTimedSteps));
   }
   ASSERT_EQ(scene.warnings.size(), size_t(note.empty() ? 0 : 1));
   if (!note.empty()) {
@@ -75,7 +75,7 @@ TEST(FrameTimes, EveryKeyOfTimesIsRead) {
   for (const char* key : {"frame_id", "frame_index", "time_id", "timestep", "frame"}) {
     write_rig(folder, [&](json& entry, int, int step) { entry[key] = 5 + step; });
     expect_rig(folder, fmt::format("times are those of `{}`, counted at 30 a second", key));
-    EXPECT_NEAR(load_scene(folder.path(), {}).time_axis.duration, (kSteps - 1) / 30.0, 1e-12);
+    EXPECT_NEAR(load_scene(folder.path(), {}).time_axis.duration, (kTimedSteps - 1) / 30.0, 1e-12);
   }
 }
 
@@ -127,7 +127,7 @@ TEST(FrameTimes, KeysThatAgreeAreOneAndOthersAreRefused) {
 TEST(FrameTimes, CountsOfAllImagesAreRefused) {
   const TemporaryFolder folder;
   const auto count = [](json& entry, int camera, int step) {
-    entry["frame_index"] = camera * kSteps + step;
+    entry["frame_index"] = camera * kTimedSteps + step;
   };
   write_rig(folder, count);
   expect_input_error([&] { load_scene(folder.path(), {}); },
