@@ -150,6 +150,7 @@ json describe_folder(const fs::path& path, bool with_shipped) {
   if (fs::exists(path / "model.ply")) return describe_file(path / "model.ply", with_shipped);
   if (const std::optional<json> sequences = describe_sequences(path)) return *sequences;
   if (find_video_folders(path).evidence == RigEvidence::kRig) return describe_videos(path);
+  if (const std::optional<json> photos = describe_photos(path)) return *photos;
   throw InputError(fmt::format("{}: holds no files of a known type; {}", path.string(), kKnown));
 }
 

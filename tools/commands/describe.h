@@ -14,6 +14,9 @@ nlohmann::json describe(const std::filesystem::path& path, bool with_shipped);
 /// Of a folder with transforms files, or with videos.
 nlohmann::json describe_transforms(const std::filesystem::path& folder);
 nlohmann::json describe_videos(const std::filesystem::path& folder);
+/// Of a folder of photos, with or without poses. Nothing where it is read as something else.
+/// Errors: InputError: its poses cannot be read.
+std::optional<nlohmann::json> describe_photos(const std::filesystem::path& folder);
 /// Of a folder with numbered images of several cameras: how ingest reads them. Nothing where it is
 /// read as something else.
 std::optional<nlohmann::json> describe_sequences(const std::filesystem::path& folder);

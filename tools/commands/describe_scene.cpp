@@ -1,5 +1,6 @@
-// Describes prepared scenes, transforms folders, captures of videos and of numbered images. Sizes
-// come from the headers of the images and lengths from those of the videos; no pixels are decoded.
+// Describes prepared scenes, transforms folders, captures of videos, of numbered images and of
+// photos. Sizes come from the headers of the images and lengths from those of the videos; no pixels
+// are decoded.
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -7,7 +8,9 @@
 
 #include "ingest/files/json_file.h"
 #include "ingest/files/png.h"
+#include "ingest/images/image_paths.h"
 #include "ingest/layouts/capture_layout.h"
+#include "ingest/layouts/unread_files.h"
 #include "ingest/poses/llff_poses.h"
 #include "ingest/prepared/transforms_json.h"
 #include "recon4d/evaluation/evaluate.h"
@@ -151,6 +154,33 @@ std::optional<json> describe_sequences(const fs::path& folder) {
   info["camera_names"] = names;
   info["frames"] = frames;
   put_timesteps(numbers.size(), info);
+  return info;
+}
+
+std::optional<json> describe_photos(const fs::path& folder) {
+  IngestOptions options;
+  try {
+    options.layout = detect_layout(folder);
+  } catch (const InputError&) {
+    return std::nullopt;  // no capture, or one that names what is unclear when it is prepared
+  }
+  const LayoutRow& row = row_of(*options.layout);
+  if (!row.photos) return std::nullopt;
+  const Capture capture = row.read(folder, options);
+  json info = {{"kind", "capture of photos"},
+               {"path", folder.string()},
+               {"layout", row.name},
+               {"posed", capture.posed},
+               {"points", capture.points.position.size()}};
+  std::map<std::pair<int, int>, int64_t> sizes;  // as the poses state them
+  for (const CaptureFrame& frame : capture.frames)
+    if (!frame.image.empty()) ++sizes[{frame.frame.camera.width, frame.frame.camera.height}];
+  info["frames"] = capture.posed ? capture.cameras.size() : images_in(capture.photos).size();
+  if (capture.posed) info["sizes"] = sizes_json({sizes, 0, 0});
+  std::vector<std::string> warnings = capture.warnings;
+  for (std::string& line : unread_files(folder, false)) warnings.push_back(std::move(line));
+  if (!warnings.empty()) info["warnings"] = warnings;
+  if (!capture.notes.empty()) info["notes"] = capture.notes;
   return info;
 }
 

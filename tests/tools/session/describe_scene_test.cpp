@@ -46,10 +46,29 @@ TEST(DescribeSequences, ReportTheRuleForAmbiguousNames) {
   EXPECT_NE((*info)["reading"].dump().find("--layout photos"), std::string::npos);
 }
 
-TEST(DescribeSequences, NothingOfPhotos) {
+// `info` reported of either: "holds no files of a known type".
+TEST(DescribePhotos, WithAndWithoutPoses) {
   const ScratchFolder folder;
   write_names(folder / "photos", {"images"});
   EXPECT_FALSE(describe_sequences(folder / "photos").has_value());
+  const std::optional<json> bare = describe_photos(folder / "photos");
+  ASSERT_TRUE(bare.has_value());
+  EXPECT_EQ((*bare)["kind"], "capture of photos");
+  EXPECT_EQ((*bare)["posed"], false);
+  EXPECT_EQ((*bare)["frames"], 20);
+  std::filesystem::create_directories(folder / "photos/sparse");
+  std::ofstream(folder / "photos/sparse/cameras.txt") << "1 PINHOLE 64 48 50 50 32 24\n";
+  std::ofstream(folder / "photos/sparse/images.txt")
+      << "1 1 0 0 0 0 0 0 1 000003.png\n\n2 1 0 0 0 0 0 1 1 000004.png\n\n"
+         "3 1 0 0 0 0 0 1 1 lost.png\n\n";
+  const std::optional<json> posed = describe_photos(folder / "photos");
+  ASSERT_TRUE(posed.has_value());
+  EXPECT_EQ((*posed)["layout"], "colmap");
+  EXPECT_EQ((*posed)["frames"], 2);
+  EXPECT_EQ((*posed)["sizes"][0]["width"], 64);
+  EXPECT_NE((*posed)["warnings"].dump().find("lost.png"), std::string::npos);
+  write_names(folder / "rig", {"cam00", "cam01"});
+  EXPECT_FALSE(describe_photos(folder / "rig").has_value());
 }
 
 }  // namespace
