@@ -18,6 +18,7 @@ extern "C" {
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/layouts/unread_files.h"
 #include "ingest/prepared/transforms_json.h"
+#include "ingest/steps/alike_warnings.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
@@ -101,7 +102,9 @@ IngestReport report_of(Capture capture, CaptureLayout layout) {
   for (const CaptureFrame& frame : capture.frames) test_views.add(frame.frame);
   report.test_views = test_views.count();
   report.scored = test_views.text();
-  report.warnings = std::move(capture.warnings);
+  std::vector<std::string> cameras;
+  for (const CaptureCamera& camera : capture.cameras) cameras.push_back(camera.name);
+  report.warnings = merged_alike(capture.warnings, cameras);
   report.notes = std::move(capture.notes);
   report.camera_table = std::move(capture.camera_table);
   return report;
