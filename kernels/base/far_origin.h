@@ -13,7 +13,7 @@ namespace tessera {
 /// x ↦ x − origin.
 inline Similarity less(const glm::dvec3& origin) {
   Similarity change;
-  change.translation = -origin;
+  change.translation = glm::dvec3(0) - origin;  // never −0, which files would show
   return change;
 }
 
