@@ -50,7 +50,7 @@ TEST(TestViews, TheInnermostCameraLiesNearestToAllOthers) {
   EXPECT_EQ(innermost(arc), 3u);
   std::swap(arc[3], arc[0]);
   EXPECT_EQ(innermost(arc), 0u);
-  arc.push_back({90, 0, 0});
+  arc.push_back({6, 0, 0});
   EXPECT_EQ(innermost(arc), 0u);
   std::vector<glm::dvec3> ring;
   for (int i = 0; i < 8; ++i)
