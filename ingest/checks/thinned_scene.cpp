@@ -9,6 +9,7 @@
 #include "ingest/images/resampling.h"
 #include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"
+#include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
 
 namespace tessera {
@@ -19,7 +20,7 @@ std::vector<size_t> spread(size_t count, int most) {
   std::vector<size_t> places;
   const size_t wanted = std::min(count, size_t(std::max(1, most)));
   for (size_t i = 0; i < wanted; ++i)
-    places.push_back(wanted == 1 ? 0 : i * (count - 1) / (wanted - 1));
+    places.push_back(size_t(even_spread(int64_t(i), int64_t(wanted), int64_t(count))));
   return places;
 }
 

@@ -11,11 +11,11 @@
 #include <string_view>
 
 #include "ingest/colmap/colmap_records.h"
+#include "ingest/files/folders.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/poses/far_origin.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
-#include "kernels/base/lower_case.h"
 
 namespace tessera {
 namespace {
@@ -38,13 +38,7 @@ void put_pose(Camera& camera, const ColmapImage& image, const std::string& where
 
 /// "cameras.txt" or "Cameras.txt", as other programs write it; empty where there is none.
 std::filesystem::path file_of_model(const std::filesystem::path& folder, const std::string& name) {
-  if (std::filesystem::is_regular_file(folder / name)) return folder / name;
-  std::error_code unreachable;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, unreachable))
-    if (entry.is_regular_file(unreachable) &&
-        lower_case(entry.path().filename().string()) == lower_case(name))
-      return entry.path();
-  return {};
+  return find_entry(folder, name, std::filesystem::file_type::regular);
 }
 
 /// ".bin" or ".txt"; empty where the folder has no list of cameras.

@@ -19,6 +19,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/lower_case.h"
 
 namespace tessera {
 namespace {
@@ -163,6 +164,19 @@ TemporaryFolder::TemporaryFolder(const std::string& purpose) {
 TemporaryFolder::~TemporaryFolder() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
+}
+
+std::filesystem::path find_entry(const std::filesystem::path& folder, const std::string& name,
+                                 std::filesystem::file_type kind) {
+  std::error_code unreachable;
+  if (fs::status(folder / name, unreachable).type() == kind) return folder / name;
+  for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
+    std::error_code unresolved;
+    if (lower_case(entry.path().filename().string()) == lower_case(name) &&
+        entry.status(unresolved).type() == kind)
+      return entry.path();
+  }
+  return {};
 }
 
 void require_folder(const std::filesystem::path& path) {

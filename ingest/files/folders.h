@@ -59,6 +59,11 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// The entry of `folder` called `name`, else the first one whose name differs in case alone; empty
+/// where there is none of that kind. Links are followed. Errors: none.
+std::filesystem::path find_entry(const std::filesystem::path& folder, const std::string& name,
+                                 std::filesystem::file_type kind);
+
 /// Errors: InputError: nothing is at `path`, or a file.
 void require_folder(const std::filesystem::path& path);
 

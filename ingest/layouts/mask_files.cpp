@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "ingest/files/folders.h"
 #include "ingest/images/image_names.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/layouts/capture_layout.h"
@@ -27,17 +28,8 @@ std::optional<NumberedName> mask_name(const fs::path& file) {
   return name;
 }
 
-/// The folder called `name` in `folder`, else the one whose name differs in case alone.
 fs::path subfolder(const fs::path& folder, const std::string& name) {
-  if (fs::is_directory(folder / name)) return folder / name;
-  std::error_code unreachable;
-  for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
-    std::error_code unresolved;
-    if (lower_case(entry.path().filename().string()) == lower_case(name) &&
-        entry.is_directory(unresolved))
-      return entry.path();
-  }
-  return {};
+  return find_entry(folder, name, fs::file_type::directory);
 }
 
 /// The first of the places for the masks of a camera that holds images.

@@ -117,21 +117,11 @@ bool find_meeting(const std::vector<Camera>& cameras, dvec3& centre) {
   return 2 * in_front > std::ptrdiff_t(cameras.size());
 }
 
-/// Depths of the points before the cameras, whose intrinsics may not be known.
-std::vector<double> depths_in_front(const std::vector<Camera>& cameras, const PointCloud& points) {
-  constexpr size_t kMost = 1'000'000;
-  const size_t stride = 1 + points.position.size() * cameras.size() / kMost;
-  std::vector<double> depths;
-  for (const Camera& camera : cameras)
-    for (size_t i = 0; i < points.position.size(); i += stride) {
-      const dvec3 p = camera.cam_from_world * dvec3(points.position[i]) + camera.translation;
-      if (p.z > 0) depths.push_back(p.z);
-    }
-  return depths;
-}
-
-/// Depths of the points in the images of the cameras, at most about 10⁶ of them.
-std::vector<double> depths_in_view(const std::vector<Camera>& cameras, const PointCloud& points) {
+/// Depths of the points before the cameras, at most about 10⁶ of them: of all, or of those that
+/// lie in the image, for which intrinsics must be known.
+enum class Points { kInFront, kInView };
+std::vector<double> depths_of(Points which, const std::vector<Camera>& cameras,
+                              const PointCloud& points) {
   constexpr size_t kMost = 1'000'000;
   const size_t stride = 1 + points.position.size() * cameras.size() / kMost;
   std::vector<double> depths;
@@ -141,7 +131,8 @@ std::vector<double> depths_in_view(const std::vector<Camera>& cameras, const Poi
       if (!(p.z > 0)) continue;
       const double x = camera.fl_x * p.x / p.z + camera.cx;
       const double y = camera.fl_y * p.y / p.z + camera.cy;
-      if (x >= 0 && y >= 0 && x < camera.width && y < camera.height) depths.push_back(p.z);
+      const bool in_view = x >= 0 && y >= 0 && x < camera.width && y < camera.height;
+      if (which == Points::kInFront || in_view) depths.push_back(p.z);
     }
   return depths;
 }
@@ -150,7 +141,7 @@ std::vector<double> depths_in_view(const std::vector<Camera>& cameras, const Poi
 
 Similarity normalised_from_source(const std::vector<Camera>& cameras, const PointCloud& points) {
   check(!cameras.empty(), "normalised_from_source: no cameras");
-  const std::vector<double> depths = depths_in_view(cameras, points);
+  const std::vector<double> depths = depths_of(Points::kInView, cameras, points);
   const double median_depth = depths.empty() ? 0 : quantile(depths, 0.5);
   dvec3 centre(0.0);
   const bool meet = find_meeting(cameras, centre);
@@ -186,7 +177,7 @@ Similarity usable_from_stated(const std::vector<Camera>& cameras, const PointClo
   for (const Camera& camera : cameras) distances.push_back(glm::length(camera.position() - centre));
   double size = quantile(distances, 0.5);
   if (!meet) {
-    const std::vector<double> depths = depths_in_front(cameras, points);
+    const std::vector<double> depths = depths_of(Points::kInFront, cameras, points);
     size = depths.empty() ? kDepthApart * size : quantile(depths, 0.5);
     for (const Camera& camera : cameras)
       centre += size / double(cameras.size()) * forward_of(camera);

@@ -13,6 +13,7 @@
 #include "ingest/video/clip_frames.h"
 #include "ingest/video/frame_colour.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/median.h"
 
 namespace tessera {
 namespace {
@@ -32,10 +33,10 @@ std::vector<int64_t> taken_ticks(const RigClip& clip, const FrameWindow& window)
   const bool is_stated = window.fps || window.duration || window.frames;
   const size_t count = is_stated ? chosen.size() : std::min(chosen.size(), kMostFrames);
   std::vector<int64_t> ticks;
-  for (size_t i = 0; i < count; ++i)
-    ticks.push_back(
-        clip.timeline
-            .ticks[chosen[count == chosen.size() ? i : i * (chosen.size() - 1) / (count - 1)]]);
+  for (size_t i = 0; i < count; ++i) {
+    const int64_t place = even_spread(int64_t(i), int64_t(count), int64_t(chosen.size()));
+    ticks.push_back(clip.timeline.ticks[chosen[size_t(place)]]);
+  }
   return ticks;
 }
 

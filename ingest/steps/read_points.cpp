@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ingest/colmap/pose_estimation.h"
+#include "ingest/colmap/rig_background.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/steps/clip_times.h"
 #include "ingest/steps/steps.h"
@@ -21,9 +22,8 @@ std::vector<RigInstant> spread_instants(const Capture& capture) {
       kept.push_back(
           size_t(std::lower_bound(ticks.begin(), ticks.end(), *frame.ticks) - ticks.begin()));
   std::vector<RigInstant> instants;
-  for (size_t k = 0; k < std::min(kInstants, kept.size()); ++k) {
-    const size_t index = kept.size() <= kInstants ? k : k * (kept.size() - 1) / (kInstants - 1);
-    const double timestep = times[0][kept[index]];
+  for (const size_t k : spread_frames(kept.size(), kInstants)) {
+    const double timestep = times[0][kept[k]];
     RigInstant instant{(timestep - capture.time_axis.origin) / capture.time_axis.duration, {}};
     for (const std::vector<double>& of_clip : times) {
       const auto nearest = std::min_element(
