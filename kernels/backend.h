@@ -66,6 +66,7 @@ struct BlendBackwardArgs {
   BlendArgs<Real> forward;
   const Images<Real>* images = nullptr;
   Span<const Real> d_colour;  // [3·pixels], laid out as Images::colour
+  Span<Real> lengths = {};    // [S] written: Σ over pixels of |f|·‖conic·d‖; empty: not wanted
 };
 
 template <class Real>
@@ -102,6 +103,7 @@ struct ProjectBackwardArgs {
   Span<SplatMoments<Real>> d_splats;  // [S]
   SinkArgs<Real> sinks[2];
   DensityStatistics<Real> statistics[2];  // empty spans: not gathered
+  Span<const Real> lengths = {};          // [S] of BlendBackwardArgs, for statistics that take them
   RegulariserWeights regulariser;         // into the gradients
   /// [B, N] of a canonical set: gradient by what each Gaussian is in each view; written.
   Span<CarriedGaussian<Real>> d_carried;
@@ -198,7 +200,7 @@ class BackendOf {
   /// colour − truth/255 of every pixel and channel, not clamped; 0 where the mask ignores the
   /// pixel. The weights are not used.
   virtual void residual(const PhotometricArgs<Real>& args, Span<Real> residual) = 0;
-  /// Gradient of each splat, summed over its pixels.
+  /// Gradient of each splat, summed over its pixels, and the lengths that are asked for.
   virtual void blend_backward(const BlendBackwardArgs<Real>& args,
                               Span<SplatMoments<Real>> d_splats) = 0;
   /// What each splat is to the images; written, zeros for a splat that draws no pixel. After a
@@ -241,12 +243,14 @@ class BackendOf {
   /// from `inherited` on.
   virtual void gather_elements(Span<const Real> from, Span<const int64_t> index, int width,
                                int64_t inherited, Span<Real> to) = 0;
-  /// Which elements survive, are cloned and are split. Where room is short the strongest grow.
+  /// Which elements survive, are cloned and are split. Where room is short the rule says which grow.
   virtual void select_elements(const GaussianSpans<const Real>& set,
                                const DensityStatistics<const Real>& statistics,
                                const DensityRule& rule, DensityElements& elements) = 0;
-  /// Elements from `first` on become samples of the Gaussian they are copies of, and smaller.
-  virtual void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) = 0;
+  /// Elements from `first` on, which are two copies of each Gaussian that is split, all first ones
+  /// and then all second ones, become its children.
+  virtual void place_children(const GaussianSpans<Real>& set, int64_t first,
+                              const SplitRule& rule) = 0;
   /// Draws an alive Gaussian for every dead one and for every element that is added, with
   /// probability in proportion to opacity and with replacement. Those that were drawn n − 1 times
   /// become, in place, n Gaussians in one spot that together look as the one did; `elements` states

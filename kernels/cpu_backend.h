@@ -43,7 +43,8 @@ class CpuBackend final : public BackendOf<Real> {
   void select_elements(const GaussianSpans<const Real>& set,
                        const DensityStatistics<const Real>& statistics, const DensityRule& rule,
                        DensityElements& elements) override;
-  void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) override;
+  void place_children(const GaussianSpans<Real>& set, int64_t first,
+                      const SplitRule& rule) override;
   void relocate_elements(const GaussianSpans<Real>& set, const RelocationRule& rule,
                          RelocationElements& elements) override;
   void add_position_noise(const GaussianSpans<Real>& set, const PositionNoise& noise) override;
@@ -58,6 +59,7 @@ class CpuBackend final : public BackendOf<Real> {
   StepOutcome outcome_;
   Buffer<Real> environment_parts_;                         // [parts] gradients of a map each
   Buffer<SplatMoments<Real>> instance_gradients_;          // [I] by slot, summed per splat in order
+  Buffer<MomentsAndLength<Real>> instance_lengths_;        // likewise, where lengths are wanted
   Buffer<SplatSensitivity<Real>> instance_sensitivities_;  // the same
 };
 

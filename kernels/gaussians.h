@@ -240,7 +240,9 @@ struct SinkArgs {
 /// Densification statistic of a set, accumulated over batches  [method D.6].
 template <class Real>
 struct DensityStatistics {
-  Span<Real> gradient_sum;  // [N] Σ over batches of the mean over views of ‖dL/d mean2D‖ in NDC
+  /// [N] Σ over batches of the mean over views of ‖dL/d mean2D‖ in NDC, or of the sum over pixels
+  /// of the lengths of what they add to that gradient.
+  Span<Real> gradient_sum;
   Span<Real> count;         // [N] batches in which it was visible
 
   /// Of the elements of a block.
@@ -257,6 +259,15 @@ struct DensityRule {
   double largest_clone = 0;  // world units; larger ones are split
   double largest_kept = 0;   // world units; larger ones are removed; 0: none
   int64_t room = -1;         // Gaussians that may be added to the set; < 0: no limit
+  bool halves = false;       // children are halves (SplitRule)
+  bool drawn = false;        // where room is short: in proportion to the statistic, not strongest
+  uint64_t seed = 0;         // of that draw
+};
+
+/// The children of a split: halves of their parent along its longest axis, or samples of it.
+struct SplitRule {
+  bool halves = false;
+  uint64_t seed = 0;  // of the samples
 };
 
 /// The opacity up to which Gaussians are dead, and how many copies are added  [method B].

@@ -61,11 +61,13 @@ void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
   check(d_colour_.size() == 3 * batch_.pixels, "backward without a gradient of the images");
   check(project_.for_backward, "backward after a forward pass that was not for it");
   d_splats_.resize(splats_.count);
+  lengths_.resize(args.absolute ? splats_.count : 0);
   {
     const StageTimer timer(backend_.clock(), kBlendBackward);
     if (!environment_.map.empty())
       backend_.environment_backward(environment_, images_, d_colour_.span(), args.d_environment);
-    backend_.blend_backward({blend_args(), &images_, d_colour_.span()}, d_splats_.span());
+    backend_.blend_backward({blend_args(), &images_, d_colour_.span(), lengths_.span()},
+                            d_splats_.span());
   }
   const GaussianSpans<const Real>& canonical = project_.sets[0];
   const bool carries = canonical.form == SetForm::kCanonical;
@@ -74,6 +76,7 @@ void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
   project.forward = project_;
   project.splats = &splats_;
   project.d_splats = d_splats_.span();
+  project.lengths = std::as_const(lengths_).span();
   project.regulariser = args.regulariser;
   project.d_carried = d_carried_.span();
   for (int set = 0; set < 2; ++set) {
@@ -136,6 +139,7 @@ void Pipeline<Real>::release() {
   mapped_.release();
   d_colour_.release();
   d_splats_.release();
+  lengths_.release();
   carried_ = Carried<Real>(memory);
   d_carried_.release();
   sensitivity_.release();

@@ -24,6 +24,7 @@ struct BackwardArgs {
   Span<Real> d_environment = {};  // [H, 2H, 3] written where the forward pass had an environment
   NodeSpans<Real> d_nodes = {};   // written where it had nodes
   Real acceleration = Real(0);    // as CarryBackwardArgs::acceleration
+  bool absolute = false;          // statistics are of lengths (DensityStatistics)
 };
 
 /// Gaussians, views and how they are drawn.
@@ -53,6 +54,7 @@ class Pipeline {
         mapped_(backend.memory()),
         d_colour_(backend.memory()),
         d_splats_(backend.memory()),
+        lengths_(backend.memory()),
         carried_(backend.memory()),
         d_carried_(backend.memory()),
         sensitivity_(backend.memory()) {}
@@ -117,6 +119,7 @@ class Pipeline {
   Buffer<Real> mapped_;  // images_ as their cameras would have taken them
   Buffer<Real> d_colour_;
   Buffer<SplatMoments<Real>> d_splats_;
+  Buffer<Real> lengths_;  // [S] or empty
   NodeSpans<const Real> nodes_;  // of the last forward with a canonical set
   Carried<Real> carried_;
   Buffer<CarriedGaussian<Real>> d_carried_;  // [B, N]

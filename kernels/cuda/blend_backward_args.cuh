@@ -70,6 +70,7 @@ struct BlendBackward {
   const float* d_colour;  // planar as the image
   const int32_t* used;
   float* sums;                  // [S, terms] added to
+  float* lengths;               // [S] added to, or null
   float* instance_sums;         // [parts, I, terms] when they are added in order
   const float4* checkpoints;    // [buckets · 256] colour and T
   const int64_t* bucket_begin;  // [tiles+1]
@@ -92,6 +93,9 @@ struct AddedTerms {
   __device__ static float combine(float a, float b) { return a + b; }
   __device__ static void give(const BlendBackward&, float* to, int32_t splat, float total) {
     atomicAdd(to + int64_t(splat) * Terms, total);
+  }
+  __device__ static float& sum(const BlendBackward& a, int64_t splat, int term) {
+    return a.sums[splat * Terms + term];
   }
 };
 
@@ -145,6 +149,47 @@ struct PixelBackward : AddedTerms<kSplatMomentTerms> {
     constexpr int kTerm[16] = {0, 3, 1, 9, 2, 5, 4, 9, 6, 9, 8, 9, 7, 9, 9, 9};
     const int lane = int(threadIdx.x) % 32;
     return lane % 2 == 0 ? kTerm[lane / 2] : kTerms;
+  }
+};
+
+/// And the sum over pixels of the lengths of their gradients by the splat's place, in a lane that
+/// has none of the other terms.
+struct PixelBackwardAndLength : PixelBackward {
+  static constexpr int kLaneTerms = kColumnTerms + 1, kTerms = kSplatMomentTerms + 1;
+  static constexpr int kLengthLane = 1;
+
+  using PixelBackward::PixelBackward;
+
+  template <class Add>
+  __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on, Add&& add) {
+    const float dx = s.a.x - x;
+    const float length =
+        slope_length<float>({s.a.z, 0.5f * s.a.w, s.b.x}, dx, p.dy) / -kExponent;  // as it is scaled
+    PixelBackward::step(s, p, on, [&](int k, float term) {
+      add(k, term);
+      if (k == 0) add(kColumnTerms, abs_of(term) * length);
+    });
+  }
+  __device__ static float reduce(float dx, const float (&v)[kLaneTerms]) {
+    const float sum = PixelBackward::reduce(dx, {v[0], v[1], v[2], v[3], v[4], v[5]});
+    float length = v[kColumnTerms];
+    TESSERA_UNROLL
+    for (int step = 16; step > 0; step /= 2) length += __shfl_xor_sync(~0u, length, step);
+    return int(threadIdx.x) % 32 == kLengthLane ? length : sum;
+  }
+  __device__ static int term_of_lane() {
+    if (int(threadIdx.x) % 32 == kLengthLane) return kSplatMomentTerms;
+    const int term = PixelBackward::term_of_lane();
+    return term < kSplatMomentTerms ? term : kTerms;
+  }
+  __device__ static void give(const BlendBackward& a, float* to, int32_t splat, float total) {
+    if (int(threadIdx.x) % 32 == kLengthLane)
+      atomicAdd(a.lengths + splat, total);
+    else
+      PixelBackward::give(a, to, splat, total);
+  }
+  __device__ static float& sum(const BlendBackward& a, int64_t splat, int term) {
+    return term == kSplatMomentTerms ? a.lengths[splat] : PixelBackward::sum(a, splat, term);
   }
 };
 

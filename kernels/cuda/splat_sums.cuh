@@ -44,7 +44,8 @@ struct Work {
 ///   combine(a, b): of two shares of a lane term
 ///   reduce(dx, v): of what the lanes of a warp summed, the total of the term that is this lane's
 ///   term_of_lane(): which that is; kTerms: none
-///   give(args, to, splat, total): adds such a total; `to`: the term of the first splat.
+///   give(args, to, splat, total): adds such a total; `to`: the term of the first splat
+///   sum(args, splat, term): where such a sum lies.
 template <class Pixel, int Pixels, bool Cull, bool Ordered, bool Segmented>
 __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) sum_tiles(typename Pixel::Args a) {
   __shared__ SharedSplat shared[TileParts<Pixels>::kWarps][kBucket];
@@ -99,18 +100,18 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) sum_tiles(typenam
 
 /// Sums of a splat's instances, added in the order in which it was written into tiles, and of each
 /// by the parts of the tile.
-template <int Terms>
-__global__ void add_instances(const float* instance_sums, int64_t instances, int parts,
-                              const int64_t* first_of, const int32_t* tiles, const int64_t* slot,
-                              int64_t count, float* sums) {
+template <class Pixel>
+__global__ void add_instances(typename Pixel::Args a, int parts, const int64_t* first_of,
+                              const int32_t* tiles, const int64_t* slot, int64_t count) {
+  constexpr int kTerms = Pixel::kTerms;
   const int64_t i = linear_index();
-  const int64_t s = i / Terms;
+  const int64_t s = i / kTerms;
   if (s >= count) return;
   float sum = 0;
   for (int k = 0; k < tiles[s]; ++k)
     for (int part = 0; part < parts; ++part)
-      sum += instance_sums[(part * instances + slot[first_of[s] + k]) * Terms + i % Terms];
-  sums[i] = sum;
+      sum += a.instance_sums[(part * a.instances + slot[first_of[s] + k]) * kTerms + i % kTerms];
+  Pixel::sum(a, s, int(i % kTerms)) = sum;
 }
 
 template <class Pixel, int Pixels, bool Cull, bool Ordered, bool Segmented>
@@ -136,9 +137,9 @@ void launch_sums_in_order(typename Pixel::Args a, const BlendArgs<float>& forwar
   a.instance_sums = instance_sums.data();
   launch_sums<Pixel, 2, Cull, true, false>(a, a.tiles, stream);
   const int64_t splats = forward.splats->count;
-  launch_linear<256>(stream, "add_instances", add_instances<Pixel::kTerms>, splats * Pixel::kTerms,
-                     a.instance_sums, a.instances, kParts, instances.first_of.data(),
-                     forward.splats->tiles.data(), instances.slot.data(), splats, a.sums);
+  launch_linear<256>(stream, "add_instances", add_instances<Pixel>, splats * Pixel::kTerms, a,
+                     kParts, instances.first_of.data(), forward.splats->tiles.data(),
+                     instances.slot.data(), splats);
 }
 
 }  // namespace tessera

@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-/// Those that are to grow, the strongest gradients where room is short.
+/// Those that are to grow, in the order of their keys where room is short.
 template <class Real>
 std::vector<char> growing(const DensityLimits<Real>& limits,
                           const DensityStatistics<const Real>& statistics,
@@ -24,8 +24,10 @@ std::vector<char> growing(const DensityLimits<Real>& limits,
   for (int64_t n = 0; n < int64_t(alive.size()); ++n)
     if (alive[size_t(n)] && score(n) >= limits.threshold) chosen.push_back(n);
   if (room >= 0 && int64_t(chosen.size()) > room) {
+    std::vector<uint32_t> key(alive.size());
+    for (const int64_t n : chosen) key[size_t(n)] = growth_key(limits, score(n), n);
     std::stable_sort(chosen.begin(), chosen.end(),
-                     [&](int64_t a, int64_t b) { return score(a) > score(b); });
+                     [&](int64_t a, int64_t b) { return key[size_t(a)] < key[size_t(b)]; });
     chosen.resize(size_t(room));
   }
   std::vector<char> grows(alive.size(), 0);
@@ -68,9 +70,9 @@ void CpuBackend<Real>::select_elements(const GaussianSpans<const Real>& set,
 
 template <class Real>
 void CpuBackend<Real>::place_children(const GaussianSpans<Real>& set, int64_t first,
-                                      uint64_t seed) {
+                                      const SplitRule& rule) {
   for (int64_t n = first; n < set.count; ++n)
-    with_form(set.form, [&](auto form) { place_child<form()>(set, n, seed); });
+    with_form(set.form, [&](auto form) { place_child<form()>(set, first, n, rule); });
 }
 
 template <class Real>
@@ -100,7 +102,8 @@ void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>& set,
   template void CpuBackend<Real>::select_elements(const GaussianSpans<const Real>&,              \
                                                   const DensityStatistics<const Real>&,          \
                                                   const DensityRule&, DensityElements&);         \
-  template void CpuBackend<Real>::place_children(const GaussianSpans<Real>&, int64_t, uint64_t); \
+  template void CpuBackend<Real>::place_children(const GaussianSpans<Real>&, int64_t,            \
+                                                 const SplitRule&);                              \
   template void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>&,               \
                                                  Buffer<int64_t>&);
 TESSERA_INSTANTIATE(float)

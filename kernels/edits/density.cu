@@ -16,8 +16,7 @@ namespace {
 
 constexpr int kThreads = 256;
 
-/// 1 in `alive`, and the key by which candidates are ranked: strongest first, those that are none
-/// last.
+/// 1 in `alive`, and the key by which candidates are ranked; those that are none come last.
 __global__ void rate(DensityLimits<float> limits, GaussianSpans<const float> set,
                      DensityStatistics<const float> statistics, int32_t* alive, uint32_t* key,
                      int32_t* number, int32_t* candidate) {
@@ -28,7 +27,7 @@ __global__ void rate(DensityLimits<float> limits, GaussianSpans<const float> set
   const bool grows = kept && score >= limits.threshold;
   alive[n] = kept;
   candidate[n] = grows;
-  key[n] = grows ? ~__float_as_uint(score) : ~0u;  // bits of positive floats order as they do
+  key[n] = grows ? growth_key(limits, score, n) : ~0u;
   number[n] = int32_t(n);
 }
 
@@ -67,9 +66,9 @@ __global__ void list_elements(Places places, int64_t count, int64_t* index) {
 }
 
 template <SetForm form>
-__global__ void place(GaussianSpans<float> set, int64_t first, uint64_t seed) {
+__global__ void place(GaussianSpans<float> set, int64_t first, SplitRule rule) {
   const int64_t n = first + linear_index();
-  if (n < set.count) place_child<form>(set, n, seed);
+  if (n < set.count) place_child<form>(set, first, n, rule);
 }
 
 struct WidenBox {
@@ -162,12 +161,13 @@ void CudaBackend::select_elements(const GaussianSpans<const float>& set,
                           elements.index.data());
 }
 
-void CudaBackend::place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) {
+void CudaBackend::place_children(const GaussianSpans<float>& set, int64_t first,
+                                 const SplitRule& rule) {
   const int64_t count = set.count - first;
   if (count <= 0) return;
   with_form(set.form, [&](auto form) {
     launch_linear<kThreads>(stream_, "place_children: place", place<form()>, count, set, first,
-                            seed);
+                            rule);
   });
 }
 

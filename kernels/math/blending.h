@@ -57,7 +57,25 @@ struct SplatMoments {
     return *this;
   }
 };
+/// And Σ over pixels of |f|·‖conic·d‖.
+template <class Real>
+struct MomentsAndLength : SplatMoments<Real> {
+  Real length;
+
+  TESSERA_HD MomentsAndLength& operator+=(const MomentsAndLength& o) {
+    SplatMoments<Real>::operator+=(o);
+    length += o.length;
+    return *this;
+  }
+};
 inline constexpr int kSplatMomentTerms = 9;  // scalars of a SplatMoments
+
+/// ‖conic·d‖: a pixel's gradient by the place of its splat is −o·f·conic·d.
+template <class Real>
+TESSERA_HD inline Real slope_length(const Sym2<Real>& conic, Real dx, Real dy) {
+  const Real x = conic.xx * dx + conic.xy * dy, y = conic.xy * dx + conic.yy * dy;
+  return sqrt(x * x + y * y);
+}
 
 /// By α = o·G, G = exp(−½ dᵀ conic d).
 template <class Real>

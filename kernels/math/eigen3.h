@@ -17,8 +17,7 @@ struct Eigen3 {
 TESSERA_HD inline void jacobi_rotate(double a[3][3], int p, int q, Mat3<double>& V) {
   if (a[p][q] == 0.0) return;
   const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-  const double magnitude = theta < 0 ? -theta : theta;
-  const double t = (theta < 0 ? -1.0 : 1.0) / (magnitude + sqrt(theta * theta + 1.0));
+  const double t = (theta < 0 ? -1.0 : 1.0) / (abs_of(theta) + sqrt(theta * theta + 1.0));
   const double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
   const int r = 3 - p - q;
   const double arp = a[r][p], arq = a[r][q];

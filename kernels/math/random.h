@@ -15,6 +15,7 @@ enum class RandomStream : uint32_t {
   kSplit = 3,
   kRelocation = 4,
   kPositionNoise = 5,
+  kGrowth = 6,
   kValidationSplit = 9
 };
 

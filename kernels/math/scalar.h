@@ -22,6 +22,10 @@ TESSERA_HD inline Real max_of(Real a, Real b) {
   return a > b ? a : b;
 }
 template <class Real>
+TESSERA_HD inline Real abs_of(Real a) {
+  return a < Real(0) ? -a : a;
+}
+template <class Real>
 TESSERA_HD inline Real clamp_to(Real value, Real low, Real high) {
   return value < low ? low : (value > high ? high : value);
 }

@@ -75,7 +75,8 @@ template <class Real>
 void CpuBackend<Real>::sensitivity(const SensitivityArgs<Real>& args,
                                    Span<SplatSensitivity<Real>> out) {
   check_target(args);
-  sum_over_splats<SensitivityWalk<Real>>(args, args.pass, instance_sensitivities_, out);
+  sum_over_splats<SensitivityWalk<Real>>(args, args.pass, instance_sensitivities_,
+                                         [&](int64_t s, const auto& sum) { out[s] = sum; });
 }
 
 template void CpuBackend<float>::sensitivity(const SensitivityArgs<float>&,

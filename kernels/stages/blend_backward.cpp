@@ -6,10 +6,11 @@
 namespace tessera {
 namespace {
 
-template <class Real>
+/// `Lengths`: with the sum over pixels of the lengths of their gradients by the splat's place.
+template <class Real, bool Lengths>
 struct GradientWalk : WalkState<Real> {
-  using Sum = SplatMoments<Real>;
-  static constexpr int kTerms = kColumnTerms;
+  using Sum = std::conditional_t<Lengths, MomentsAndLength<Real>, SplatMoments<Real>>;
+  static constexpr int kTerms = kColumnTerms + int(Lengths);
   TileValues<Real> d_colour[3] = {};  // g
   TileValues<Real> remaining = {};    // R
 
@@ -42,16 +43,25 @@ struct GradientWalk : WalkState<Real> {
       const bool on = cutoff.template draws<ByFalloff>(splat.opacity * G, G) && lit;
       blend_backward_step<Real>(splat.opacity, on ? G : Real(0), dy, splat.colour,
                                 {g0[x], g1[x], g2[x]}, T[x], R[x],
-                                [&](int k, Real term) { sum[k][x] += term; });
+                                [&](int k, Real term) {
+                                  sum[k][x] += term;
+                                  if constexpr (Lengths)
+                                    if (k == 0)
+                                      sum[kColumnTerms][x] +=
+                                          abs_of(term) *
+                                          slope_length(splat.conic, splat.dx0 - Real(x), dy);
+                                });
     }
   }
 
   static Sum reduced(const TileSplat<Real>& splat, const Real (&lanes)[kTerms][kTileSize]) {
     Sum sum{};
+    SplatMoments<Real>& moments = sum;
     for (int x = 0; x < kTileSize; ++x) {
-      Real column[kTerms];
-      for (int k = 0; k < kTerms; ++k) column[k] = lanes[k][x];
-      sum += column_moments(splat.dx0 - Real(x), column);
+      if constexpr (Lengths) sum.length += lanes[kColumnTerms][x];
+      Real column[kColumnTerms];
+      for (int k = 0; k < kColumnTerms; ++k) column[k] = lanes[k][x];
+      moments += column_moments(splat.dx0 - Real(x), column);
     }
     return sum;
   }
@@ -62,7 +72,18 @@ struct GradientWalk : WalkState<Real> {
 template <class Real>
 void CpuBackend<Real>::blend_backward(const BlendBackwardArgs<Real>& args,
                                       Span<SplatMoments<Real>> d_splats) {
-  sum_over_splats<GradientWalk<Real>>(args, args, instance_gradients_, d_splats);
+  if (args.lengths.empty()) {
+    instance_lengths_.release();
+    sum_over_splats<GradientWalk<Real, false>>(
+        args, args, instance_gradients_, [&](int64_t s, const auto& sum) { d_splats[s] = sum; });
+  } else {
+    instance_gradients_.release();
+    sum_over_splats<GradientWalk<Real, true>>(args, args, instance_lengths_,
+                                              [&](int64_t s, const auto& sum) {
+                                                d_splats[s] = sum;
+                                                args.lengths[s] = sum.length;
+                                              });
+  }
 }
 
 template void CpuBackend<float>::blend_backward(const BlendBackwardArgs<float>&,

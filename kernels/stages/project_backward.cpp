@@ -69,6 +69,7 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
     const Splat<Real>& splat = args.splats->splat[s];
     const ViewArgs<Real>& view = views[size_t(splat.view)];
     const SplatMoments<Real>& moments = args.d_splats[s];
+    const Real* const length = args.lengths.empty() ? nullptr : &args.lengths[s];
     const GaussianState<Real>& g =
         state_in_view<form>(params, n, splat.view, at_rest, room_of_state);
     const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, rules.time_filter);
@@ -84,10 +85,12 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
     if constexpr (form == SetForm::kCanonical) {
       const int64_t place = splat.view * params.carried_stride + n;
       ViewSums<Real> of_view;
-      add_view_gradient(view, g, slice, slope, time_slope, colours, rules, splat, moments, of_view);
+      add_view_gradient(view, g, slice, slope, time_slope, colours, rules, splat, moments, length,
+                        of_view);
       block.d_carried[place] = carried_gradient(params.carried[place], g, of_view, sums);
     } else {
-      add_view_gradient(view, g, slice, slope, time_slope, colours, rules, splat, moments, sums);
+      add_view_gradient(view, g, slice, slope, time_slope, colours, rules, splat, moments, length,
+                        sums);
     }
     add_sh(colours, direction, slice.delta, unclamped_gradient(splat.negative, moments.colour),
            out);

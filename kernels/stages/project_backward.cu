@@ -35,6 +35,7 @@ struct Backward {
   const int32_t* gaussian;
   const int64_t* first_of;
   const SplatMoments<float>* d_splats;
+  const float* lengths;  // null: of no splat
   DensityStatistics<float> statistics;
   IdleUpdate idle;
   RegulariserTerms<float> regulariser;
@@ -67,7 +68,8 @@ __device__ inline SumsOf<form, float> splat_sums(const Backward& a, int64_t s, b
   const auto add_to = [&](ViewSums<float>& of_view) {
     add_view_gradient(view, g, slice_at(g.mean, g.spacetime, view.time, a.rules.time_filter),
                       a.slopes[s], colours.levels > 0 ? a.time_slopes[s] : Vec3<float>(0.0f),
-                      colours, a.rules, splat, a.d_splats[s], of_view);
+                      colours, a.rules, splat, a.d_splats[s], a.lengths != nullptr ? &a.lengths[s] : nullptr,
+                      of_view);
   };
   if constexpr (form == SetForm::kCanonical) {
     const int64_t place = splat.view * a.set.carried_stride + n;
@@ -341,6 +343,7 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
                      args.splats->gaussian.data(),
                      args.splats->first_of.data(),
                      args.d_splats.data,
+                     args.lengths.data,
                      args.statistics[set],
                      sink.fused ? sink.idle : IdleUpdate::kDense,
                      terms,

@@ -15,7 +15,7 @@ struct ViewSums {
   SpacetimeGradient<Real> spacetime{};
   Vec3<Real> mean{};
   Real opacity{};    // by the opacity before p and comp
-  Real ndc_norms{};  // Σ_v ‖dL/d mean2D in NDC‖
+  Real ndc_norms{};  // Σ_v growth_norm
 };
 
 /// dL/d(un-clamped colour) of a splat: 0 where the channel was clamped.
@@ -26,15 +26,25 @@ TESSERA_HD inline Vec3<Real> unclamped_gradient(uint32_t negative, const Vec3<Re
   return d;
 }
 
+/// What a splat adds to the statistic of density control, in NDC: the length of its gradient by
+/// pixels, or where `length` states it, Σ over pixels of the lengths of theirs  [AbsGS].
+template <class Real>
+TESSERA_HD inline Real growth_norm(const ViewArgs<Real>& view, const Splat<Real>& splat,
+                                   const Vec2<Real>& d_mean2d, const Real* length) {
+  if (length == nullptr) return ndc_gradient_norm(d_mean2d, view.width, view.height);
+  return *length * splat.opacity * Real(max_of(view.width, view.height)) * Real(0.5);
+}
+
 /// Adds one view of Gaussian g; `slice`, `slope`, `time_slope`: of it in that view (levels_slope;
-/// not read where there are no levels); `moments`: of this splat.
+/// not read where there are no levels); `moments`, `length` (growth_norm): of this splat.
 template <class Real>
 TESSERA_HD inline void add_view_gradient(const ViewArgs<Real>& view, const GaussianState<Real>& g,
                                          const Slice<Real>& slice, const ColourSlope<Real>& slope,
                                          const Vec3<Real>& time_slope,
                                          const ColourRules<Real>& colours,
                                          const SplatRules<Real>& rules, const Splat<Real>& splat,
-                                         const SplatMoments<Real>& moments, ViewSums<Real>& sums) {
+                                         const SplatMoments<Real>& moments, const Real* length,
+                                         ViewSums<Real>& sums) {
   const SplatGradient<Real> d = splat_gradient(splat.conic, splat.opacity, moments);
   // a constant of the gradient  [Faster-GS]
   const Real comp = rules.compensated ? compensation(splat.conic, rules.dilation) : Real(1);
@@ -48,7 +58,7 @@ TESSERA_HD inline void add_view_gradient(const ViewArgs<Real>& view, const Gauss
   if (colours.levels > 0) sums.spacetime.mean_time += dot(time_slope, d_colour);
   sums.mean += colours.sliced_direction ? d_mean : d_mean + d_eye;
   sums.opacity += d.opacity * comp * slice.marginal;
-  sums.ndc_norms += ndc_gradient_norm(d.mean2d, view.width, view.height);
+  sums.ndc_norms += growth_norm(view, splat, d.mean2d, length);
 }
 
 /// Sums over the views of one canonical Gaussian: of what does not pass through its nodes.

@@ -36,16 +36,16 @@ void load_pixels(const BlendBackwardArgs<Real>& args, const Tile<Real>& tile,
     }
 }
 
-/// Writes the sums of every splat. Walk<Real> has
-///   Sum, kTerms: what is written, of that many scalars, with +=; Sum{} is zero
+/// Calls give(splat, sum) for every splat. Walk<Real> has
+///   Sum, kTerms: what is given, of that many scalars, with +=; Sum{} is zero
 ///   load(asked, tile): the state of the tile's pixels in front of all splats
 ///   row<ByFalloff>(splat, cutoff, y, index, sum): a row's step past the tile's splat `index`, its
 ///     share added to sum[kTerms][kTileSize]
 ///   reduced(splat, sum): a Sum of the terms over the lanes.
 /// `of_instances` is scratch that only grows.
-template <class Walk, class Args, class Real>
+template <class Walk, class Args, class Real, class Give>
 void sum_over_splats(const Args& asked, const BlendBackwardArgs<Real>& args,
-                     Buffer<typename Walk::Sum>& of_instances, Span<typename Walk::Sum> out) {
+                     Buffer<typename Walk::Sum>& of_instances, Give&& give) {
   using Sum = typename Walk::Sum;
   const TileInstances<Real>& instances = *args.forward.instances;
   const Splats<Real>& splats = *args.forward.splats;
@@ -79,7 +79,7 @@ void sum_over_splats(const Args& asked, const BlendBackwardArgs<Real>& args,
         prefetch<16>(sums, instances.slot, k, instances.count);
         sum += sums[instances.slot[k]];
       }
-      out[s] = sum;
+      give(s, sum);
     }
   });
 }

@@ -52,9 +52,13 @@ DensityRule rule_of(const DensityContext& context) {
   DensityRule rule;
   rule.threshold = options.densify_threshold;
   rule.prune_opacity = options.prune_opacity;
-  rule.largest_clone = options.dense_fraction * context.extent;
+  // a half is no copy: with halves nothing is cloned
+  rule.halves = grows_with(options, GrowthPart::kLongAxisSplit);
+  rule.largest_clone = rule.halves ? 0 : options.dense_fraction * context.extent;
   if (context.prune_large) rule.largest_kept = options.prune_extent * context.extent;
   rule.room = context.room;
+  rule.drawn = grows_with(options, GrowthPart::kWeightedDraw);
+  rule.seed = uint64_t(options.seed) ^ uint64_t(context.step) << 20;
   return rule;
 }
 
@@ -73,11 +77,12 @@ DensityReport control_density(Backend& backend, const DensityContext& context, G
   const StageTimer timer(backend.clock(), kDensity);
   const int64_t before = set.count();
   DensityElements elements(backend.memory());
-  backend.select_elements(std::as_const(set).values(), std::as_const(statistics).spans(),
-                          rule_of(context), elements);
+  const DensityRule rule = rule_of(context);
+  backend.select_elements(std::as_const(set).values(), std::as_const(statistics).spans(), rule,
+                          elements);
   gather(backend, std::as_const(elements.index).span(), elements.survivors, set);
   backend.place_children(set.values(), elements.survivors + elements.clones,
-                         uint64_t(context.options.seed) ^ uint64_t(context.step) << 20);
+                         {rule.halves, rule.seed});
   statistics.reset(backend, set.count());
   return {elements.clones, elements.parents, elements.pruned, before, set.count()};
 }

@@ -1,6 +1,6 @@
 // Adaptive density control of a set on any backend: clone, split and prune as index lists with one
 // gather for each parameter group, opacity reset, and order for locality. The rule for one Gaussian
-// is in kernels/edits/density.h. Source: method A.13, A.14, D.7.
+// is in kernels/edits/density.h, its children in split.h. Source: method A.13, A.14, D.7.
 #pragma once
 #include "kernels/backend.h"
 #include "recon4d/model/gaussian_set.h"
@@ -18,7 +18,7 @@ struct DensityContext {
   double extent;     // E, world units
   bool prune_large;  // prune_extent holds
   int64_t room;      // Gaussians that may be added; < 0: no limit
-  int64_t step;      // steps done; names the random numbers of the split
+  int64_t step;      // steps done; names the random numbers of the draw and of the split
 };
 
 /// Element i of every group becomes its element values[i], of the moments element moments[i]; −1:

@@ -18,7 +18,9 @@ inline constexpr int64_t kTrialIterations = 2000, kTrialBatch = 4, kTrialPixels 
 enum class Filter3d { kNone, kMip, kClamp };
 /// kAuto is decided before a training starts: kCamera where the cameras differ, else kNone.
 enum class ExposureGains { kNone, kCamera, kAffine, kFrame, kAuto };
-enum class Densification { kAdc, kMcmc };
+enum class Densification { kAdc, kBudget, kMcmc };
+/// A part of Densification::kBudget.
+enum class GrowthPart { kNone, kLongAxisSplit, kGrowthBudget, kWeightedDraw, kAbsoluteGradient };
 enum class ModelSize { kGrown, kKnee };
 
 /// Names of the values of an enumeration, in their order.
@@ -34,7 +36,10 @@ inline constexpr const char* kChoiceNames<ExposureGains>[] = {"none", "camera", 
 template <>
 inline constexpr const char* kChoiceNames<IdleUpdate>[] = {"dense", "skip"};
 template <>
-inline constexpr const char* kChoiceNames<Densification>[] = {"adc", "mcmc"};
+inline constexpr const char* kChoiceNames<Densification>[] = {"adc", "budget", "mcmc"};
+template <>
+inline constexpr const char* kChoiceNames<GrowthPart>[] = {
+    "none", "long-axis-split", "growth-budget", "weighted-draw", "absolute-gradient"};
 template <>
 inline constexpr const char* kChoiceNames<ModelSize>[] = {"grown", "knee"};
 template <>

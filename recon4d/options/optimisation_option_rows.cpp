@@ -143,9 +143,16 @@ std::vector<TrainOption> optimisation_option_rows() {
        .group = group::kRates},
       {.key = "densification",
        .member = choice<&TrainOptions::densification>(),
-       .doc = "adc: clone and split where gradients are large, prune faint Gaussians; mcmc: "
-              "relocate faint Gaussians to opaque ones, up to max_gaussians",
-       .source = "[3DGS]; mcmc: [3DGS-MCMC]",
+       .doc = "adc: clone and split where gradients are large, prune faint Gaussians; budget: "
+              "halve Gaussians that are drawn by their absolute gradients, in numbers that follow "
+              "a curve up to peak_gaussians; mcmc: relocate faint Gaussians to opaque ones, up to "
+              "max_gaussians",
+       .source = "[3DGS]; absolute gradient: [AbsGS]; mcmc: [3DGS-MCMC]",
+       .group = group::kDensity},
+      {.key = "budget_without",
+       .member = choice<&TrainOptions::budget_without>(),
+       .doc = "A part that densification budget is to do without, as adc does",
+       .source = "ours",
        .group = group::kDensity},
       {.key = "densify_from",
        .member = &TrainOptions::densify_from,

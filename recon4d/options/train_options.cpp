@@ -131,6 +131,10 @@ int64_t growth_limit(const TrainOptions& options) {
   return std::max(options.peak_gaussians, options.max_gaussians);
 }
 
+bool grows_with(const TrainOptions& options, GrowthPart part) {
+  return options.densification == Densification::kBudget && options.budget_without != part;
+}
+
 bool prunes_after_growth(const TrainOptions& options) {
   if (options.max_bytes > 0 || options.within_db > 0 || options.size == ModelSize::kKnee)
     return true;
@@ -187,12 +191,13 @@ void validate(const TrainOptions& options) {
         "max_gaussians, max_bytes and within_db each say how large the model may be; pass one of "
         "them");
   check_bytes(options.max_bytes);
-  if (options.densification != Densification::kMcmc) return;
+  if (options.densification == Densification::kAdc) return;
   if (growth_limit(options) == 0)
     throw InputError(
-        "densification mcmc needs a number of Gaussians to reach; pass --peak-gaussians N or "
-        "--max-gaussians N");
-  if (options.opacity_reset_interval > 0)
+        fmt::format("densification {} needs a number of Gaussians to reach; pass --peak-gaussians "
+                    "N or --max-gaussians N",
+                    name_of(options.densification)));
+  if (options.densification == Densification::kMcmc && options.opacity_reset_interval > 0)
     throw InputError("densification mcmc has no opacity resets; pass --opacity-reset-interval 0");
 }
 

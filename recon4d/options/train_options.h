@@ -60,6 +60,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   IdleUpdate idle_updates = IdleUpdate::kDense;
   // density control
   Densification densification = Densification::kAdc;
+  GrowthPart budget_without = GrowthPart::kNone;
   int64_t densify_from = 600, densify_until = 14900, densify_interval = 100;
   double densify_threshold = 2e-4, dense_fraction = 0.01;
   double prune_opacity = 0.005, prune_extent = 0.1;
@@ -125,6 +126,8 @@ void validate(const TrainOptions& options);
 
 /// Most Gaussians while they grow; 0: no limit.
 int64_t growth_limit(const TrainOptions& options);
+/// Whether Gaussians grow with that part of densification budget.
+bool grows_with(const TrainOptions& options, GrowthPart part);
 /// Whether Gaussians are pruned after growth.
 bool prunes_after_growth(const TrainOptions& options);
 

@@ -37,6 +37,15 @@ bool Schedule::densify(int64_t i) const {
   return i > 0 && i >= densify_from_ && i <= densify_until_ && i % options_.densify_interval == 0;
 }
 
+double Schedule::growth_share(int64_t i) const {
+  const int64_t interval = options_.densify_interval;
+  const int64_t none = (std::max<int64_t>(densify_from_, 1) - 1) / interval;
+  const double all = double(std::max<int64_t>(1, densify_until_ / interval - none));
+  const double done = std::clamp(double(i / interval - none), 1.0, all);
+  const double before = std::sqrt((done - 1) / all);
+  return (std::sqrt(done / all) - before) / (1 - before);
+}
+
 bool Schedule::reset_opacity(int64_t i) const {
   if (opacity_reset_interval_ <= 0 || i <= 0 || i >= densify_until_) return false;
   // early on a bright background is modelled by haze; one more reset removes it  [method A.3]

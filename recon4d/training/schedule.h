@@ -22,6 +22,9 @@ class Schedule {
   int sh_time_degree(int64_t i) const;
   bool densify(int64_t i) const;
   bool gathers_statistics(int64_t i) const { return !is_mcmc() && i < densify_until_; }
+  /// Of the Gaussians that a set has room for, the share that the density control before step i may
+  /// add: the square root of the share of density controls that are done comes to be filled.
+  double growth_share(int64_t i) const;
   bool prunes_large(int64_t i) const { return i > prune_large_from_; }
   bool reset_opacity(int64_t i) const;
   bool reorder(int64_t i) const;

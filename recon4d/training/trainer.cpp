@@ -172,8 +172,13 @@ FrameSample Trainer::sample_frames() {
   return sample;
 }
 
-int64_t Trainer::room_of(int k) const {
-  const int64_t limit = growth_limit(options_);
+int64_t Trainer::limit_of_growth() const {
+  const int64_t limit = growth_limit(options_), count = state_.model.count();
+  if (!grows_with(options_, GrowthPart::kGrowthBudget) || limit <= count) return limit;
+  return count + std::llround(schedule_.growth_share(state_.iteration) * double(limit - count));
+}
+
+int64_t Trainer::room_of(int k, int64_t limit) const {
   if (limit == 0) return -1;
   const GaussianModel& model = state_.model;
   const int64_t room = std::max<int64_t>(0, limit - model.count());
@@ -221,13 +226,14 @@ void Trainer::densify() {
   const int64_t i = state_.iteration;
   const bool mcmc = options_.densification == Densification::kMcmc;
   std::array<DensityReport, 2> reports;
+  const int64_t limit = limit_of_growth();
   if (mcmc) reports = control_mcmc(backend_, options_, state_);
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state_.set(k);
     if (set.count() == 0) continue;
     if (!mcmc)
       reports[size_t(k)] = control_density(
-          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room_of(k), i}, set,
+          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room_of(k, limit), i}, set,
           state_.statistics[k]);
     observer_.on_density(i, k == 0 ? "static" : "dynamic", reports[size_t(k)]);
   }
@@ -356,6 +362,8 @@ void Trainer::backward() {
     }
     if (schedule_.gathers_statistics(i)) args.statistics[k] = state_.statistics[k].spans();
   }
+  args.absolute =
+      schedule_.gathers_statistics(i) && grows_with(options_, GrowthPart::kAbsoluteGradient);
   args.regulariser = {options_.opacity_weight, options_.scale_weight};
   ParameterGroup& environment = state_.model.environment.map;
   d_environment_.resize(environment.value.size());

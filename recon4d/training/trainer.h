@@ -87,8 +87,10 @@ class Trainer {
   /// Motion nodes where they start, and more control points where these are due.
   void control_nodes();
   void step_nodes();
-  /// Gaussians that set k may grow by; −1: no limit.
-  int64_t room_of(int k) const;
+  /// Gaussians that there may be after the next density control; 0: no limit.
+  int64_t limit_of_growth() const;
+  /// Of those up to `limit`, how many set k may grow by; −1: no limit.
+  int64_t room_of(int k, int64_t limit) const;
   void backward();
   /// Maps of colours of the views of a batch, whose rows are noted for their step; empty: none.
   std::vector<ColourMap<double>> maps(const std::vector<int64_t>& batch);

@@ -100,8 +100,9 @@ class FaultyBackend final : public Backend {
                        DensityElements& rows) override {
     cpu_->select_elements(set, statistics, rule, rows);
   }
-  void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override {
-    cpu_->place_children(set, first, seed);
+  void place_children(const GaussianSpans<float>& set, int64_t first,
+                      const SplitRule& rule) override {
+    cpu_->place_children(set, first, rule);
   }
   void relocate_elements(const GaussianSpans<float>& set, const RelocationRule& rule,
                          RelocationElements& rows) override {

@@ -237,8 +237,9 @@ class SeparateBackend final : public Backend {
     check_lies_here(statistics.count);
     separate_memory.inside([&] { cpu_->select_elements(set, statistics, rule, elements); });
   }
-  void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override {
-    separate_memory.inside([&] { cpu_->place_children(set, first, seed); });
+  void place_children(const GaussianSpans<float>& set, int64_t first,
+                      const SplitRule& rule) override {
+    separate_memory.inside([&] { cpu_->place_children(set, first, rule); });
   }
   void relocate_elements(const GaussianSpans<float>& set, const RelocationRule& rule,
                          RelocationElements& elements) override {

@@ -82,13 +82,15 @@ TEST_P(BackendDensity, ElementsOfEmptyAndOfDyingSets) {
 
 TEST_P(BackendDensity, ChildrenAreTheCpus) {
   // Bugs put back, seen to fail: another seed; the first child left out.
-  for (const SetForm form : kForms) {
+  // Halves: the other side; the axes of Σ₄ in place of those of Σ_c.
+  for (const SetForm form : kForms)
+   for (const SplitRule& rule : {SplitRule{false, 7}, SplitRule{true, 0}}) {
     Random random(85);
     const TestGaussians<float> before = random_gaussians(form, kCrowd, 1, 0.1, random).as<float>();
     constexpr int64_t kFirst = 1234;
     const auto placed = [&](Backend& on) {
       StoredGaussians<float> set(before, on.memory());
-      on.place_children(set.spans(), kFirst, 7);
+      on.place_children(set.spans(), kFirst, rule);
       return set.fetch();
     };
     const TestGaussians<float> actual = placed(backend()), expected = placed(cpu());
