@@ -66,7 +66,7 @@ struct BlendBackwardArgs {
   BlendArgs<Real> forward;
   const Images<Real>* images = nullptr;
   Span<const Real> d_colour;  // [3·pixels], laid out as Images::colour
-  Span<Real> lengths = {};    // [S] written: Σ over pixels of |f|·‖conic·d‖; empty: not wanted
+  Span<Real> lengths = {};  // [S] written: Σ over pixels of |f|·‖conic·d‖; empty: not wanted
 };
 
 template <class Real>
@@ -243,7 +243,8 @@ class BackendOf {
   /// from `inherited` on.
   virtual void gather_elements(Span<const Real> from, Span<const int64_t> index, int width,
                                int64_t inherited, Span<Real> to) = 0;
-  /// Which elements survive, are cloned and are split. Where room is short the rule says which grow.
+  /// Which elements survive, are cloned and are split. Where room is short the rule says which
+  /// grow.
   virtual void select_elements(const GaussianSpans<const Real>& set,
                                const DensityStatistics<const Real>& statistics,
                                const DensityRule& rule, DensityElements& elements) = 0;

@@ -243,7 +243,7 @@ struct DensityStatistics {
   /// [N] Σ over batches of the mean over views of ‖dL/d mean2D‖ in NDC, or of the sum over pixels
   /// of the lengths of what they add to that gradient.
   Span<Real> gradient_sum;
-  Span<Real> count;         // [N] batches in which it was visible
+  Span<Real> count;  // [N] batches in which it was visible
 
   /// Of the elements of a block.
   DensityStatistics block(const ShBlock& block) const {

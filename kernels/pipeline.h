@@ -119,7 +119,7 @@ class Pipeline {
   Buffer<Real> mapped_;  // images_ as their cameras would have taken them
   Buffer<Real> d_colour_;
   Buffer<SplatMoments<Real>> d_splats_;
-  Buffer<Real> lengths_;  // [S] or empty
+  Buffer<Real> lengths_;         // [S] or empty
   NodeSpans<const Real> nodes_;  // of the last forward with a canonical set
   Carried<Real> carried_;
   Buffer<CarriedGaussian<Real>> d_carried_;  // [B, N]

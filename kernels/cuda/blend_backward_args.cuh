@@ -130,12 +130,18 @@ struct PixelBackward : AddedTerms<kSplatMomentTerms> {
   /// Down the columns first, which share dx: the moments by dx follow from their sums
   /// (column_moments). A warp has 8 columns of 4 lanes.
   __device__ static float reduce(float dx, const float (&v)[kLaneTerms]) {
+    return reduce_columns(dx, v, [](int, float w) { return w + __shfl_xor_sync(~0u, w, 8); });
+  }
+  /// `whole`(lane, w): f·dy² or blue of a column from that of half a column, in lanes of which bits
+  /// 3 and 4 differ; what the others have becomes the total of the lane that has no term.
+  template <int Terms, class Whole>
+  __device__ static float reduce_columns(float dx, const float (&v)[Terms], Whole&& whole) {
     const int lane = int(threadIdx.x) % 32;
     float w[3];  // f, f·dy, f·dy² or red, green, blue, of half a column
     TESSERA_UNROLL
     for (int k = 0; k < 3; ++k) w[k] = exchange<16>(lane, v[k], v[k + 3]);
-    const float a = exchange<8>(lane, w[0], w[1]);         // f, f·dy or red, green of a column
-    const float b = w[2] + __shfl_xor_sync(~0u, w[2], 8);  // f·dy² or blue
+    const float a = exchange<8>(lane, w[0], w[1]);  // f, f·dy or red, green of a column
+    const float b = whole(lane, w[2]);
     const float a_dx = a * dx;
     const float p = exchange<4>(lane, a, by_bit<16>(lane, a_dx, b));
     const float t = by_bit<8>(lane, a_dx * dx, b);
@@ -152,30 +158,37 @@ struct PixelBackward : AddedTerms<kSplatMomentTerms> {
   }
 };
 
-/// And the sum over pixels of the lengths of their gradients by the splat's place, in a lane that
-/// has none of the other terms.
+/// √x, relative error 2^-22.
+__device__ inline float sqrt_approximate(float x) {
+  float result;
+  asm("sqrt.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(x));
+  return result;
+}
+
+/// And the sum over pixels of the lengths of their gradients by the splat's place (slope_length),
+/// in a lane that has none of the other terms.
 struct PixelBackwardAndLength : PixelBackward {
   static constexpr int kLaneTerms = kColumnTerms + 1, kTerms = kSplatMomentTerms + 1;
-  static constexpr int kLengthLane = 1;
+  static constexpr int kLengthLane = 28;
 
   using PixelBackward::PixelBackward;
 
   template <class Add>
   __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on, Add&& add) {
-    const float dx = s.a.x - x;
-    const float length =
-        slope_length<float>({s.a.z, 0.5f * s.a.w, s.b.x}, dx, p.dy) / -kExponent;  // as it is scaled
+    const float dx = s.a.x - x, xy = 0.5f * s.a.w;
+    const float along_x = s.a.z * dx + xy * p.dy, along_y = xy * dx + s.b.x * p.dy;
+    const float length = sqrt_approximate(along_x * along_x + along_y * along_y) / -kExponent;
     PixelBackward::step(s, p, on, [&](int k, float term) {
       add(k, term);
       if (k == 0) add(kColumnTerms, abs_of(term) * length);
     });
   }
   __device__ static float reduce(float dx, const float (&v)[kLaneTerms]) {
-    const float sum = PixelBackward::reduce(dx, {v[0], v[1], v[2], v[3], v[4], v[5]});
-    float length = v[kColumnTerms];
-    TESSERA_UNROLL
-    for (int step = 16; step > 0; step /= 2) length += __shfl_xor_sync(~0u, length, step);
-    return int(threadIdx.x) % 32 == kLengthLane ? length : sum;
+    const float length = v[kColumnTerms] + __shfl_xor_sync(~0u, v[kColumnTerms], 16);
+    return reduce_columns(dx, v, [&](int lane, float w) {
+      const bool differ = ((lane ^ lane >> 1) & 8) != 0;
+      return (differ ? w : length) + __shfl_xor_sync(~0u, differ ? length : w, 8);
+    });
   }
   __device__ static int term_of_lane() {
     if (int(threadIdx.x) % 32 == kLengthLane) return kSplatMomentTerms;

@@ -88,7 +88,8 @@ class CudaBackend final : public Backend {
   void select_elements(const GaussianSpans<const float>& set,
                        const DensityStatistics<const float>& statistics, const DensityRule& rule,
                        DensityElements& elements) override;
-  void place_children(const GaussianSpans<float>& set, int64_t first, const SplitRule& rule) override;
+  void place_children(const GaussianSpans<float>& set, int64_t first,
+                      const SplitRule& rule) override;
   void relocate_elements(const GaussianSpans<float>& set, const RelocationRule& rule,
                          RelocationElements& elements) override;
   void add_position_noise(const GaussianSpans<float>& set, const PositionNoise& noise) override;

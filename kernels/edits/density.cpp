@@ -98,13 +98,13 @@ void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>& set,
                    [&](int64_t a, int64_t b) { return keys[size_t(a)] < keys[size_t(b)]; });
 }
 
-#define TESSERA_INSTANTIATE(Real)                                                                \
-  template void CpuBackend<Real>::select_elements(const GaussianSpans<const Real>&,              \
-                                                  const DensityStatistics<const Real>&,          \
-                                                  const DensityRule&, DensityElements&);         \
-  template void CpuBackend<Real>::place_children(const GaussianSpans<Real>&, int64_t,            \
-                                                 const SplitRule&);                              \
-  template void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>&,               \
+#define TESSERA_INSTANTIATE(Real)                                                        \
+  template void CpuBackend<Real>::select_elements(const GaussianSpans<const Real>&,      \
+                                                  const DensityStatistics<const Real>&,  \
+                                                  const DensityRule&, DensityElements&); \
+  template void CpuBackend<Real>::place_children(const GaussianSpans<Real>&, int64_t,    \
+                                                 const SplitRule&);                      \
+  template void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>&,       \
                                                  Buffer<int64_t>&);
 TESSERA_INSTANTIATE(float)
 TESSERA_INSTANTIATE(double)

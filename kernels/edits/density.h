@@ -1,5 +1,5 @@
-// The decision of density control for one Gaussian, and the order in which Gaussians grow where room
-// is short. Source: method A.13, D.7; weighted draw: [Efraimidis06].
+// The decision of density control for one Gaussian, and the order in which Gaussians grow where
+// room is short. Source: method A.13, D.7; weighted draw: [Efraimidis06].
 #pragma once
 #include <bit>
 
@@ -25,9 +25,12 @@ DensityLimits<Real> density_limits(const DensityRule& rule) {
   constexpr double kNever = 1e30;
   const auto log_of = [](double size) { return Real(size > 0 ? std::log(size) : -kNever); };
   return {Real(std::min(rule.threshold, kNever)),
-          Real(std::log(rule.prune_opacity / (1 - rule.prune_opacity))), log_of(rule.largest_clone),
+          Real(std::log(rule.prune_opacity / (1 - rule.prune_opacity))),
+          log_of(rule.largest_clone),
           rule.largest_kept > 0 ? log_of(rule.largest_kept) : Real(kNever),
-          Real(rule.halves ? -std::log(kHalfWidth) : kSplitShrink), rule.drawn, rule.seed};
+          Real(rule.halves ? -std::log(kHalfWidth) : kSplitShrink),
+          rule.drawn,
+          rule.seed};
 }
 
 enum class Fate : uint8_t { kRemoved, kKept, kCloned, kSplit };

@@ -62,8 +62,7 @@ TESSERA_HD inline void become_half_of_pair(const GaussianSpans<Real>& v, int64_t
   const Mat4<double> R = rotation4(load(kRotation), load(kRotationRight));
   const Conditional<double> parent = condition_on_time(R, variance);
   Sym3<double> covariance{};
-  for (int k = 0; k < 4; ++k)
-    covariance += variance[k] * symmetric_outer(parent.u[k], parent.u[k]);
+  for (int k = 0; k < 4; ++k) covariance += variance[k] * symmetric_outer(parent.u[k], parent.u[k]);
   const Eigen3 axes = symmetric_eigen(covariance);
   int longest = 0;
   for (int k = 1; k < 3; ++k)

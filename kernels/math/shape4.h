@@ -29,8 +29,7 @@ TESSERA_HD inline void make_orthogonal(double (&column)[4][4]) {
         if (!(pq * pq > 1e-28 * pp * qq)) continue;
         turned = true;
         const double theta = (qq - pp) / (2 * pq);
-        const double t =
-            (theta < 0 ? -1.0 : 1.0) / (abs_of(theta) + sqrt(theta * theta + 1));
+        const double t = (theta < 0 ? -1.0 : 1.0) / (abs_of(theta) + sqrt(theta * theta + 1));
         const double c = 1 / sqrt(t * t + 1), s = t * c;
         for (int i = 0; i < 4; ++i) {
           const double old = column[p][i];

@@ -59,7 +59,8 @@ void CpuBackend<Real>::largest_weights(const BlendArgs<Real>& forward, const Ima
   check(elements.size + 1 == splats.first_of.size(), "largest_weights: one value a Gaussian");
   const BlendBackwardArgs<Real> pass{forward, &images, {}};
   Buffer<LargestWeight<Real>> of_instances, of_splats(splats.count);
-  sum_over_splats<WeightWalk<Real>>(pass, pass, of_instances, [&](int64_t s, const auto& sum) { of_splats[s] = sum; });
+  sum_over_splats<WeightWalk<Real>>(pass, pass, of_instances,
+                                    [&](int64_t s, const auto& sum) { of_splats[s] = sum; });
   constexpr int64_t kGrain = 4096;
   parallel_for(elements.size, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t n = begin; n < end; ++n)

@@ -42,8 +42,7 @@ struct GradientWalk : WalkState<Real> {
       const bool lit = index < until[x];
       const bool on = cutoff.template draws<ByFalloff>(splat.opacity * G, G) && lit;
       blend_backward_step<Real>(splat.opacity, on ? G : Real(0), dy, splat.colour,
-                                {g0[x], g1[x], g2[x]}, T[x], R[x],
-                                [&](int k, Real term) {
+                                {g0[x], g1[x], g2[x]}, T[x], R[x], [&](int k, Real term) {
                                   sum[k][x] += term;
                                   if constexpr (Lengths)
                                     if (k == 0)

@@ -77,6 +77,21 @@ const std::vector<Technique>& techniques() {
   return rows;
 }
 
+/// Without one part of densification budget; other densifications stay as they are.
+std::vector<Ablation> growth_ablations() {
+  static const std::pair<GrowthPart, const char*> parts[] = {
+      {GrowthPart::kLongAxisSplit, "Gaussians are cloned or split into samples, not halved"},
+      {GrowthPart::kGrowthBudget, "Gaussians grow up to the limit at once"},
+      {GrowthPart::kWeightedDraw, "where room is short the strongest gradients grow"},
+      {GrowthPart::kAbsoluteGradient, "the gradients of pixels may cancel"}};
+  std::vector<Ablation> rows;
+  for (const auto& [part, doc] : parts)
+    rows.push_back({fmt::format("no-{}", name_of(part)),
+                    fmt::format("densification budget but for a part: {}", doc),
+                    joined(kFull, {{"budget_without", name_of(part)}})});
+  return rows;
+}
+
 }  // namespace
 
 const std::vector<Ablation>& ablations() {
@@ -89,6 +104,7 @@ const std::vector<Ablation>& ablations() {
     for (const Technique& t : techniques())
       made.push_back({fmt::format("basis+{}", t.with_name), fmt::format("basis and: {}", t.doc),
                       joined(kBasis, t.with)});
+    for (Ablation& ablation : growth_ablations()) made.push_back(std::move(ablation));
     return made;
   }();
   return rows;

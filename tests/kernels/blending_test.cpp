@@ -79,7 +79,8 @@ Real plain_loss(const std::vector<std::array<Real, 9>>& splats, const std::vecto
 }
 
 std::vector<SplatGradient<double>> stage_gradient(const std::vector<SplatFields>& fields,
-                                                  const std::vector<double>& g) {
+                                                  const std::vector<double>& g,
+                                                  Span<double> lengths = {}) {
   CpuBackend<double> backend;
   const ViewBatch<double> batch = one_view();
   const Splats<double> splats = as_splats(fields, batch.views[0]);
@@ -91,7 +92,7 @@ std::vector<SplatGradient<double>> stage_gradient(const std::vector<SplatFields>
   const BlendArgs<double> blend{&batch, &splats, &instances, options, true};
   backend.blend(blend, images);
   std::vector<SplatMoments<double>> moments(fields.size());
-  backend.blend_backward({blend, &images, {g.data(), int64_t(g.size())}},
+  backend.blend_backward({blend, &images, {g.data(), int64_t(g.size())}, lengths},
                          {moments.data(), int64_t(moments.size())});
   std::vector<SplatGradient<double>> out;
   for (size_t s = 0; s < fields.size(); ++s) {
@@ -99,6 +100,35 @@ std::vector<SplatGradient<double>> stage_gradient(const std::vector<SplatFields>
     out.push_back(splat_gradient(splat.conic, splat.opacity, moments[s]));
   }
   return out;
+}
+
+/// Of each splat, Σ over pixels of ‖dL/d mean2d‖ of the light of that pixel alone.
+std::vector<double> lengths_by_pixel(const std::vector<SplatFields>& fields,
+                                     const std::vector<double>& g) {
+  std::vector<double> lengths(fields.size(), 0.0);
+  for (size_t p = 0; p < size_t(kPixels); ++p) {
+    std::vector<double> alone(g.size(), 0.0);
+    for (size_t c = 0; c < 3; ++c) alone[c * size_t(kPixels) + p] = g[c * size_t(kPixels) + p];
+    const std::vector<SplatGradient<double>> d = stage_gradient(fields, alone);
+    for (size_t s = 0; s < fields.size(); ++s)
+      lengths[s] += std::hypot(d[s].mean2d[0], d[s].mean2d[1]);
+  }
+  return lengths;
+}
+
+// Bug put back: |f| left out, so that pixels of opposite signs cancel; seen to fail.
+TEST(BlendBackward, LengthsAreThoseOfThePixelsGradients) {
+  Random random(7);
+  const std::vector<SplatFields> fields = random_splats(8, 0.9, 0.005, random);
+  std::vector<double> g(size_t(3 * kPixels)), lengths(fields.size(), -1.0);
+  for (double& x : g) x = random.uniform(-1, 1);
+  stage_gradient(fields, g, {lengths.data(), int64_t(lengths.size())});
+  const std::vector<double> expected = lengths_by_pixel(fields, g);
+  const std::vector<SplatGradient<double>> whole = stage_gradient(fields, g);
+  for (size_t s = 0; s < fields.size(); ++s) {
+    EXPECT_NEAR(lengths[s] * fields[s][5], expected[s], 1e-11 * expected[s]);
+    EXPECT_GT(expected[s], 1.5 * std::hypot(whole[s].mean2d[0], whole[s].mean2d[1]));
+  }
 }
 
 void expect_duals(const std::vector<SplatFields>& fields, Random& random, double tolerance) {

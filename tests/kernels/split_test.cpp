@@ -45,8 +45,7 @@ std::array<std::array<double, 4>, 4> covariance(TestGaussians<double>& set, int6
                                               : Quaternion{l[0], -l[1], -l[2], -l[3]};
   std::array<std::array<double, 4>, 4> sigma{};
   for (size_t k = form == SetForm::kStatic ? 1 : 0; k < 4; ++k) {
-    const double scale =
-        std::exp(k == 0 ? *set.at(kLogScaleTime, n) : set.at(kLogScale, n)[k - 1]);
+    const double scale = std::exp(k == 0 ? *set.at(kLogScaleTime, n) : set.at(kLogScale, n)[k - 1]);
     Quaternion axis{};
     axis[k] = scale;
     Quaternion image = hamilton(hamilton(l, axis), r);
@@ -155,9 +154,9 @@ TEST(SplitHalf, OfAFastAndThinPairKeepTheirDigits) {
   CpuBackend<double>().place_children(stored.spans(), 1, {true, 0});
   set = stored.fetch();
   for (const int64_t n : {1, 2}) {
-    const Spacetime<double> s = pair_spacetime(
-        load4(set.at(kRotation, n)), load4(set.at(kRotationRight, n)), load3(set.at(kLogScale, n)),
-        *set.at(kLogScaleTime, n), 0.0);
+    const Spacetime<double> s =
+        pair_spacetime(load4(set.at(kRotation, n)), load4(set.at(kRotationRight, n)),
+                       load3(set.at(kLogScale, n)), *set.at(kLogScaleTime, n), 0.0);
     EXPECT_NEAR(s.velocity[0], 40, 1e-6);
     EXPECT_NEAR(s.velocity[1], -25, 1e-6);
     EXPECT_NEAR(1 / std::sqrt(s.precision_time), 0.05, 1e-9);

@@ -133,6 +133,7 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   StoredNodes<Real> d_nodes(scene.nodes.like(), memory);
   args.d_nodes = d_nodes.spans();
   args.acceleration = Real(scene.acceleration);
+  args.absolute = scene.absolute;
   pipeline.backward(args);
   out.d_nodes = d_nodes.fetch();
   out.d_environment = fetched(d_environment, memory);

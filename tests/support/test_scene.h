@@ -92,6 +92,7 @@ struct TestScene {
   std::vector<Real> environment = {};      // [H, 2H, 3]
   TestNodes<Real> nodes = {};              // of a canonical `fixed`
   double acceleration = 0;                 // of `backward` alone
+  bool absolute = false;                   // of `backward` alone
 
   template <class To>
   TestScene<To> as() const {
@@ -107,7 +108,8 @@ struct TestScene {
             environment_height,
             std::vector<To>(environment.begin(), environment.end()),
             nodes.template as<To>(),
-            acceleration};
+            acceleration,
+            absolute};
   }
 };
 

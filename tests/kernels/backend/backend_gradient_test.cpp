@@ -107,6 +107,30 @@ TEST_P(BackendGradient, GaussiansThatOnlySomeViewsSee) {
   expect_gradients(scene);
 }
 
+TEST_P(BackendGradient, StatisticsOfAbsoluteGradientsEqualTheOracles) {
+  // Bugs put back, seen to fail: only the pixels of a warp's first half added; the sum of the
+  // gradients in place of that of their lengths.
+  for (const SceneCase& c : kSceneCases)
+    for (const bool deterministic : {false, true}) {
+      SCOPED_TRACE(std::string(c.name) + (deterministic ? ", deterministic" : ""));
+      TestScene<double> scene = smooth_scene(c, 43);
+      scene.absolute = true;
+      scene.options.kernels.deterministic = deterministic;
+      expect_gradients(scene);
+    }
+}
+
+TEST_P(BackendGradient, AbsoluteGradientsOfAnyTraversal) {
+  // Lists that are cut into segments, and lanes that are pixels of a whole tile.
+  TestScene<double> scene = random_scene(700, 900, 0.3, 44);
+  scene.absolute = true;
+  keep_truth_away(scene, 45);
+  for (const BackwardForm form : {BackwardForm::kSubTile, BackwardForm::kPixel}) {
+    scene.options.kernels.backward = form;
+    expect_gradients(scene);
+  }
+}
+
 /// The nine numbers of a splat's gradient, by key, as columns.
 template <class Real>
 std::map<int64_t, std::array<double, 9>> rows_of(const StageRun<Real>& run) {

@@ -3,6 +3,7 @@
 // Source: method A.13, D.7.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "tests/recon4d/model/handmade_set.h"
@@ -208,6 +209,56 @@ TEST_P(Density, ASizeLimitOfZeroIsNone) {
     options.prune_extent = limit;
     HandmadeSet made = make({{kSmall, 0.5f, kWeak}, {kLarge, 0.5f, kWeak}});
     EXPECT_EQ(control(made, true, -1, options).pruned, pruned) << limit;
+  }
+}
+
+/// How often each of three Gaussians with these gradients is split where there is room for one.
+std::array<int, 3> draws(const std::array<float, 3>& gradients, int rounds, bool weighted) {
+  std::array<int, 3> chosen{};
+  TrainOptions options;
+  options.densification = Densification::kBudget;
+  if (!weighted) options.budget_without = GrowthPart::kWeightedDraw;
+  const std::unique_ptr<Backend> backend = make_cpu_backend();
+  for (int seed = 0; seed < rounds; ++seed) {
+    options.seed = seed;
+    HandmadeSet made(SetForm::kStatic, 3);
+    for (int64_t n = 0; n < 3; ++n) made.describe(n, kMedium, 0.5f, gradients[size_t(n)]);
+    control_density(*backend, {options, kExtent, false, 1, 7}, made.set, made.statistics);
+    EXPECT_EQ(made.set.count(), 4);
+    ++chosen[size_t(made.tags()[2])];
+  }
+  return chosen;
+}
+
+// Bugs put back, seen to fail: −ln(U)·score; the same number for every Gaussian.
+TEST(DensityBudget, WhereRoomIsShortGaussiansAreDrawnByTheirGradients) {
+  constexpr int kRounds = 4000;
+  const std::array<float, 3> gradients{3e-4f, 6e-4f, 9e-4f};
+  const std::array<int, 3> chosen = draws(gradients, kRounds, true);
+  for (size_t n = 0; n < 3; ++n) {
+    const double p = double(n + 1) / 6;
+    EXPECT_NEAR(chosen[n], p * kRounds, 5 * std::sqrt(kRounds * p * (1 - p)));
+  }
+  EXPECT_EQ(draws(gradients, 5, false), (std::array<int, 3>{0, 0, 5})) << "the strongest";
+}
+
+// Bugs put back, seen to fail: what is below the threshold drawn, too; small ones cloned.
+TEST(DensityBudget, HalvesWhateverSizeItHas) {
+  TrainOptions options;
+  options.densification = Densification::kBudget;
+  for (const GrowthPart without : {GrowthPart::kNone, GrowthPart::kLongAxisSplit}) {
+    options.budget_without = without;
+    HandmadeSet made(SetForm::kStatic, 4);
+    made.describe(0, kSmall, 0.5f, kStrong);
+    made.describe(1, kMedium, 0.5f, kStrong);
+    made.describe(2, kHuge, 0.5f, kWeak);
+    made.describe(3, kHuge, 0.004f, kStrong);
+    const DensityReport report = control(made, false, -1, options);
+    const bool halves = without == GrowthPart::kNone;
+    EXPECT_EQ(report.cloned, halves ? 0 : 1);
+    EXPECT_EQ(report.split, halves ? 2 : 1);
+    EXPECT_EQ(report.pruned, 1);
+    EXPECT_EQ(made.set.count(), 5);
   }
 }
 

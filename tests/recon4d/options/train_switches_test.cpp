@@ -88,6 +88,7 @@ const std::vector<Alternative>& alternatives() {
       {"lr_sh", 1e-2},
       {"lr_sh_rest", 1e-3},
       {"densification", "mcmc", {{"max_gaussians", 90}}},
+      {"budget_without", "long-axis-split", {{"max_gaussians", 400}, {"densification", "budget"}}},
       {"mcmc_noise", 1e5, {{"max_gaussians", 90}, {"densification", "mcmc"}}},
       {"mcmc_growth", 1.2, {{"max_gaussians", 90}, {"densification", "mcmc"}}},
       {"densify_from", 18},

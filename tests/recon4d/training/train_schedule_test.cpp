@@ -50,6 +50,26 @@ TEST(TrainSchedule, EventsOfTheReference) {
     EXPECT_EQ(schedule.sh_degree(steps[k]), degrees[k]) << steps[k];
 }
 
+// Bugs put back, seen to fail: a linear share; the number of steps in place of that of controls.
+TEST(TrainSchedule, SharesOfGrowthFollowTheSquareRootAndEndAtTheLimit) {
+  TrainOptions options;
+  options.iterations = 6500;  // controls at 132, 165 … 3234: 95
+  options.densify_until = 15000;
+  options.densify_interval = 33;
+  const Schedule schedule(options, kExtent);
+  const std::vector<int64_t> controls = steps_of(options, densifies);
+  ASSERT_EQ(controls, every(33, 132, 3234));
+  double count = 1000;
+  for (size_t k = 0; k < controls.size(); ++k) {
+    count += schedule.growth_share(controls[k]) * (9000 - count);
+    EXPECT_NEAR(count, 1000 + 8000 * std::sqrt(double(k + 1) / double(controls.size())), 1e-6);
+  }
+  count = 6000;  // of a set that decisions have made smaller half-way
+  for (size_t k = 50; k < controls.size(); ++k)
+    count += schedule.growth_share(controls[k]) * (9000 - count);
+  EXPECT_NEAR(count, 9000, 1e-6);
+}
+
 // Bugs put back, each seen to fail: pruning right after a reset; pruning without a least weight.
 TEST(TrainSchedule, UnseenGaussiansAreNotPrunedUntilOpacitiesHaveRecovered) {
   TrainOptions options;
