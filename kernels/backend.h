@@ -161,8 +161,8 @@ struct StepOutcome {
 };
 
 /// A device runs behind the host: only `project`, `outcome`, `select_elements`,
-/// `relocate_elements`, `sum_of_squares` and memory().copy wait for it. All spans and buffers of
-/// the arguments lie in memory().
+/// `growth_weight`, `relocate_elements`, `sum_of_squares` and memory().copy wait for it. All spans
+/// and buffers of the arguments lie in memory().
 template <class Real>
 class BackendOf {
  public:
@@ -248,6 +248,11 @@ class BackendOf {
   virtual void select_elements(const GaussianSpans<const Real>& set,
                                const DensityStatistics<const Real>& statistics,
                                const DensityRule& rule, DensityElements& elements) = 0;
+  /// Σ of the scores of those that may grow by the rule, whatever room there is. Equal inputs give
+  /// equal bits. Waits.
+  virtual double growth_weight(const GaussianSpans<const Real>& set,
+                               const DensityStatistics<const Real>& statistics,
+                               const DensityRule& rule) = 0;
   /// Elements from `first` on, which are two copies of each Gaussian that is split, all first ones
   /// and then all second ones, become its children.
   virtual void place_children(const GaussianSpans<Real>& set, int64_t first,

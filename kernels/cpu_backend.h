@@ -43,6 +43,9 @@ class CpuBackend final : public BackendOf<Real> {
   void select_elements(const GaussianSpans<const Real>& set,
                        const DensityStatistics<const Real>& statistics, const DensityRule& rule,
                        DensityElements& elements) override;
+  double growth_weight(const GaussianSpans<const Real>& set,
+                       const DensityStatistics<const Real>& statistics,
+                       const DensityRule& rule) override;
   void place_children(const GaussianSpans<Real>& set, int64_t first,
                       const SplitRule& rule) override;
   void relocate_elements(const GaussianSpans<Real>& set, const RelocationRule& rule,

@@ -88,6 +88,9 @@ class CudaBackend final : public Backend {
   void select_elements(const GaussianSpans<const float>& set,
                        const DensityStatistics<const float>& statistics, const DensityRule& rule,
                        DensityElements& elements) override;
+  double growth_weight(const GaussianSpans<const float>& set,
+                       const DensityStatistics<const float>& statistics,
+                       const DensityRule& rule) override;
   void place_children(const GaussianSpans<float>& set, int64_t first,
                       const SplitRule& rule) override;
   void relocate_elements(const GaussianSpans<float>& set, const RelocationRule& rule,

@@ -14,23 +14,20 @@ namespace {
 
 /// Those that are to grow, in the order of their keys where room is short.
 template <class Real>
-std::vector<char> growing(const DensityLimits<Real>& limits,
-                          const DensityStatistics<const Real>& statistics,
-                          const std::vector<char>& alive, int64_t room) {
+std::vector<char> growing(const DensityLimits<Real>& limits, const GaussianSpans<const Real>& set,
+                          const DensityStatistics<const Real>& statistics, int64_t room) {
   std::vector<int64_t> chosen;
-  const auto score = [&](int64_t n) {
-    return growth_score(statistics.gradient_sum[n], statistics.count[n]);
-  };
-  for (int64_t n = 0; n < int64_t(alive.size()); ++n)
-    if (alive[size_t(n)] && score(n) >= limits.threshold) chosen.push_back(n);
+  const auto score = [&](int64_t n) { return candidate_score(limits, set, statistics, n); };
+  for (int64_t n = 0; n < set.count; ++n)
+    if (score(n) >= 0) chosen.push_back(n);
   if (room >= 0 && int64_t(chosen.size()) > room) {
-    std::vector<uint32_t> key(alive.size());
+    std::vector<uint32_t> key(size_t(set.count));
     for (const int64_t n : chosen) key[size_t(n)] = growth_key(limits, score(n), n);
     std::stable_sort(chosen.begin(), chosen.end(),
                      [&](int64_t a, int64_t b) { return key[size_t(a)] < key[size_t(b)]; });
     chosen.resize(size_t(room));
   }
-  std::vector<char> grows(alive.size(), 0);
+  std::vector<char> grows(size_t(set.count), 0);
   for (const int64_t n : chosen) grows[size_t(n)] = 1;
   return grows;
 }
@@ -49,7 +46,7 @@ void CpuBackend<Real>::select_elements(const GaussianSpans<const Real>& set,
     dead += !alive[size_t(n)];
   }
   const std::vector<char> grows =
-      growing(limits, statistics, alive, rule.room < 0 ? -1 : rule.room + dead);
+      growing(limits, set, statistics, rule.room < 0 ? -1 : rule.room + dead);
   std::vector<int64_t> survivors, clones, parents;
   for (int64_t n = 0; n < set.count; ++n) {
     if (!alive[size_t(n)]) continue;
@@ -66,6 +63,17 @@ void CpuBackend<Real>::select_elements(const GaussianSpans<const Real>& set,
   int64_t* out = elements.index.data();
   for (const auto* list : {&survivors, &clones, &parents, &parents})
     out = std::copy(list->begin(), list->end(), out);
+}
+
+template <class Real>
+double CpuBackend<Real>::growth_weight(const GaussianSpans<const Real>& set,
+                                       const DensityStatistics<const Real>& statistics,
+                                       const DensityRule& rule) {
+  const DensityLimits<Real> limits = density_limits<Real>(rule);
+  double weight = 0;
+  for (int64_t n = 0; n < set.count; ++n)
+    weight += double(max_of(candidate_score(limits, set, statistics, n), Real(0)));
+  return weight;
 }
 
 template <class Real>
@@ -98,13 +106,15 @@ void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>& set,
                    [&](int64_t a, int64_t b) { return keys[size_t(a)] < keys[size_t(b)]; });
 }
 
-#define TESSERA_INSTANTIATE(Real)                                                        \
-  template void CpuBackend<Real>::select_elements(const GaussianSpans<const Real>&,      \
-                                                  const DensityStatistics<const Real>&,  \
-                                                  const DensityRule&, DensityElements&); \
-  template void CpuBackend<Real>::place_children(const GaussianSpans<Real>&, int64_t,    \
-                                                 const SplitRule&);                      \
-  template void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>&,       \
+#define TESSERA_INSTANTIATE(Real)                                                                  \
+  template void CpuBackend<Real>::select_elements(const GaussianSpans<const Real>&,                \
+                                                  const DensityStatistics<const Real>&,            \
+                                                  const DensityRule&, DensityElements&);           \
+  template double CpuBackend<Real>::growth_weight(                                                 \
+      const GaussianSpans<const Real>&, const DensityStatistics<const Real>&, const DensityRule&); \
+  template void CpuBackend<Real>::place_children(const GaussianSpans<Real>&, int64_t,              \
+                                                 const SplitRule&);                                \
+  template void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>&,                 \
                                                  Buffer<int64_t>&);
 TESSERA_INSTANTIATE(float)
 TESSERA_INSTANTIATE(double)

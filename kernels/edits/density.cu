@@ -1,6 +1,8 @@
 // Density control of a set on the device as lists of elements, the children of splits, and the
 // order of a set in memory. The rule for one Gaussian is in density.h. Source: method A.13, A.14,
 // D.7.
+#include <thrust/iterator/counting_iterator.h>
+
 #include <cub/device/device_reduce.cuh>
 
 #include "kernels/base/errors.h"
@@ -22,10 +24,9 @@ __global__ void rate(DensityLimits<float> limits, GaussianSpans<const float> set
                      int32_t* number, int32_t* candidate) {
   const int64_t n = linear_index();
   if (n >= set.count) return;
-  const bool kept = is_alive(limits, set, n);
-  const float score = growth_score(statistics.gradient_sum[n], statistics.count[n]);
-  const bool grows = kept && score >= limits.threshold;
-  alive[n] = kept;
+  const float score = candidate_score(limits, set, statistics, n);
+  const bool grows = score >= 0;
+  alive[n] = grows || is_alive(limits, set, n);
   candidate[n] = grows;
   key[n] = grows ? growth_key(limits, score, n) : ~0u;
   number[n] = int32_t(n);
@@ -70,6 +71,19 @@ __global__ void place(GaussianSpans<float> set, int64_t first, SplitRule rule) {
   const int64_t n = first + linear_index();
   if (n < set.count) place_child<form>(set, first, n, rule);
 }
+
+struct CandidateWeight {
+  DensityLimits<float> limits;
+  GaussianSpans<const float> set;
+  DensityStatistics<const float> statistics;
+
+  __device__ double operator()(int64_t n) const {
+    return double(max_of(candidate_score(limits, set, statistics, n), 0.0f));
+  }
+};
+struct Plus {
+  __host__ __device__ double operator()(double a, double b) const { return a + b; }
+};
 
 struct WidenBox {
   __host__ __device__ LocalityBox operator()(LocalityBox a, const LocalityBox& b) const {
@@ -159,6 +173,27 @@ void CudaBackend::select_elements(const GaussianSpans<const float>& set,
                       totals[0],    totals[0] + totals[1], totals[2]};
   launch_linear<kThreads>(stream_, "select_elements: list_elements", list_elements, N, places, N,
                           elements.index.data());
+}
+
+double CudaBackend::growth_weight(const GaussianSpans<const float>& set,
+                                  const DensityStatistics<const float>& statistics,
+                                  const DensityRule& rule) {
+  size_t bytes = 0;
+  scratch_.resize(sizeof(double));
+  double* const sum = reinterpret_cast<double*>(scratch_.data());
+  const CandidateWeight weight{density_limits<float>(rule), set, statistics};
+  const auto reduce = [&](void* memory) {
+    check_device(
+        cub::DeviceReduce::TransformReduce(memory, bytes, thrust::counting_iterator<int64_t>(0),
+                                           sum, set.count, Plus{}, weight, 0.0, stream_),
+        "growth_weight");
+  };
+  reduce(nullptr);
+  sort_scratch_.resize(int64_t(bytes));
+  reduce(sort_scratch_.data());
+  double result = 0;
+  memory_.copy(&result, sum, sizeof(result));
+  return result;
 }
 
 void CudaBackend::place_children(const GaussianSpans<float>& set, int64_t first,

@@ -54,6 +54,15 @@ TESSERA_HD inline Real growth_score(Real gradient_sum, Real count) {
   return count > Real(0) ? gradient_sum / count : Real(-1);
 }
 
+/// Score of Gaussian n if it may grow, else −1.
+template <class Real, class T>
+TESSERA_HD inline Real candidate_score(const DensityLimits<Real>& limits,
+                                       const GaussianSpans<T>& set,
+                                       const DensityStatistics<T>& statistics, int64_t n) {
+  const Real score = growth_score(statistics.gradient_sum[n], statistics.count[n]);
+  return score >= limits.threshold && is_alive(limits, set, n) ? score : Real(-1);
+}
+
 /// Candidates grow in ascending order of their keys: the strongest first, or a draw without
 /// replacement in proportion to their scores, which is the order of −ln(U)/score.
 template <class Real>

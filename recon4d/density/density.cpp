@@ -71,6 +71,11 @@ void take_elements(Backend& backend, Span<const int64_t> values, Span<const int6
   gather(backend, values, moments, moments.size, set);
 }
 
+double growth_weight(Backend& backend, const DensityContext& context, const GaussianSet& set,
+                     const SetStatistics& statistics) {
+  return backend.growth_weight(set.values(), statistics.spans(), rule_of(context));
+}
+
 DensityReport control_density(Backend& backend, const DensityContext& context, GaussianSet& set,
                               SetStatistics& statistics) {
   check(!set.blocks().mixed(), "control_density: of a set of several SH degrees");

@@ -26,6 +26,10 @@ struct DensityContext {
 void take_elements(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
                    GaussianSet& set);
 
+/// Σ of the scores of the Gaussians of a set that may grow.
+double growth_weight(Backend& backend, const DensityContext& context, const GaussianSet& set,
+                     const SetStatistics& statistics);
+
 /// Clones, splits and prunes; new Gaussians have zero moments; statistics are reset.
 DensityReport control_density(Backend& backend, const DensityContext& context, GaussianSet& set,
                               SetStatistics& statistics);

@@ -178,12 +178,29 @@ int64_t Trainer::limit_of_growth() const {
   return count + std::llround(schedule_.growth_share(state_.iteration) * double(limit - count));
 }
 
-int64_t Trainer::room_of(int k, int64_t limit) const {
-  if (limit == 0) return -1;
+DensityContext Trainer::density_context(int64_t room) const {
+  const int64_t i = state_.iteration;
+  return {options_, rig_.extent, schedule_.prunes_large(i), room, i};
+}
+
+double Trainer::static_share() const {
   const GaussianModel& model = state_.model;
-  const int64_t room = std::max<int64_t>(0, limit - model.count());
+  if (model.dynamic_set.count() == 0) return 1;
+  const double by_count = double(model.static_set.count()) / double(model.count());
+  if (!grows_with(options_, GrowthPart::kWeightedDraw)) return by_count;
+  double weight[2];
+  for (int k = 0; k < 2; ++k)
+    weight[k] =
+        growth_weight(backend_, density_context(-1), state_.set(k), state_.statistics[size_t(k)]);
+  const double all = weight[0] + weight[1];
+  return all > 0 ? weight[0] / all : by_count;
+}
+
+int64_t Trainer::room_of(int k, int64_t limit, double static_share) const {
+  if (limit == 0) return -1;
+  const int64_t room = std::max<int64_t>(0, limit - state_.model.count());
   // the static set comes first and must leave the dynamic one its share
-  return k == 1 || room == 0 ? room : room * model.static_set.count() / model.count();
+  return k == 1 ? room : int64_t(static_share * double(room));
 }
 
 void Trainer::control() {
@@ -228,13 +245,13 @@ void Trainer::densify() {
   std::array<DensityReport, 2> reports;
   const int64_t limit = limit_of_growth();
   if (mcmc) reports = control_mcmc(backend_, options_, state_);
+  const double of_static = mcmc ? 0 : static_share();
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state_.set(k);
     if (set.count() == 0) continue;
     if (!mcmc)
-      reports[size_t(k)] = control_density(
-          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room_of(k, limit), i}, set,
-          state_.statistics[k]);
+      reports[size_t(k)] = control_density(backend_, density_context(room_of(k, limit, of_static)),
+                                           set, state_.statistics[k]);
     observer_.on_density(i, k == 0 ? "static" : "dynamic", reports[size_t(k)]);
   }
 }

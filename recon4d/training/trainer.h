@@ -89,8 +89,12 @@ class Trainer {
   void step_nodes();
   /// Gaussians that there may be after the next density control; 0: no limit.
   int64_t limit_of_growth() const;
+  /// Of the Gaussians that both sets may grow by, the share of the static one: that of its
+  /// Gaussians, or in a draw that of their scores.
+  double static_share() const;
   /// Of those up to `limit`, how many set k may grow by; −1: no limit.
-  int64_t room_of(int k, int64_t limit) const;
+  int64_t room_of(int k, int64_t limit, double static_share) const;
+  DensityContext density_context(int64_t room) const;
   void backward();
   /// Maps of colours of the views of a batch, whose rows are noted for their step; empty: none.
   std::vector<ColourMap<double>> maps(const std::vector<int64_t>& batch);

@@ -100,6 +100,11 @@ class FaultyBackend final : public Backend {
                        DensityElements& rows) override {
     cpu_->select_elements(set, statistics, rule, rows);
   }
+  double growth_weight(const GaussianSpans<const float>& set,
+                       const DensityStatistics<const float>& statistics,
+                       const DensityRule& rule) override {
+    return cpu_->growth_weight(set, statistics, rule);
+  }
   void place_children(const GaussianSpans<float>& set, int64_t first,
                       const SplitRule& rule) override {
     cpu_->place_children(set, first, rule);

@@ -237,6 +237,14 @@ class SeparateBackend final : public Backend {
     check_lies_here(statistics.count);
     separate_memory.inside([&] { cpu_->select_elements(set, statistics, rule, elements); });
   }
+  double growth_weight(const GaussianSpans<const float>& set,
+                       const DensityStatistics<const float>& statistics,
+                       const DensityRule& rule) override {
+    check_lies_here(statistics.gradient_sum);
+    double weight = 0;
+    separate_memory.inside([&] { weight = cpu_->growth_weight(set, statistics, rule); });
+    return weight;
+  }
   void place_children(const GaussianSpans<float>& set, int64_t first,
                       const SplitRule& rule) override {
     separate_memory.inside([&] { cpu_->place_children(set, first, rule); });

@@ -32,6 +32,10 @@ struct Selected {
   std::vector<int64_t> index;
   int64_t survivors, clones, parents, pruned;
   bool operator==(const Selected&) const = default;
+  /// Those that are cloned or split.
+  std::vector<int64_t> grown() const {
+    return {index.begin() + survivors, index.begin() + survivors + clones + parents};
+  }
 };
 
 Selected select(Backend& on, const TestGaussians<float>& set, const Statistic& s,
@@ -87,6 +91,26 @@ TEST_P(BackendDensity, DrawnElementsAreTheCpus) {
       if (room == 333) {
         EXPECT_NE(drawn.index, select(backend(), set, s, strongest).index);
       }
+    }
+}
+
+TEST_P(BackendDensity, GrowthWeightsAreTheCpus) {
+  // Bugs put back, seen to fail: the dead counted, too; those below the threshold counted, too.
+  for (const SetForm form : kForms)
+    for (const int64_t count : {int64_t{0}, int64_t{1}, kCrowd}) {
+      const TestGaussians<float> set = crowd(form, 81, count);
+      const Statistic s = statistic(82, false, count);
+      const DensityRule rule{.threshold = 2e-4, .prune_opacity = 0.005};
+      const auto weight = [&](Backend& on) {
+        Memory& memory = on.memory();
+        const StoredGaussians<float> gaussians(set, memory);
+        const Buffer<float> sum = stored(s.sum, memory), seen = stored(s.count, memory);
+        return on.growth_weight(gaussians.view(), {sum.span(), seen.span()}, rule);
+      };
+      double expected = 0;
+      for (const int64_t n : select(cpu(), set, s, rule).grown())
+        expected += double(s.sum[size_t(n)] / s.count[size_t(n)]);
+      EXPECT_NEAR(weight(backend()), expected, 1e-9) << form_name(form) << " of " << count;
     }
 }
 
