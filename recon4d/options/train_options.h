@@ -76,6 +76,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   // no more than the scene needs (docs/explanation/size.md)
   ModelSize size = ModelSize::kGrown;
   int64_t peak_gaussians = 0, max_bytes = 0;
+  double gaussians_per_pixel = 0;
   double within_db = 0;
   int64_t thin_rounds = 4, thin_until = 25000;
   bool decide_motion = false, decide_colour = false;

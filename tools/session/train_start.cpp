@@ -18,6 +18,7 @@
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/motion_trial.h"
 #include "recon4d/training/scene_scale.h"
+#include "recon4d/training/shown_pixels.h"
 #include "tools/session/version.h"
 
 namespace tessera {
@@ -186,11 +187,21 @@ std::optional<std::string> resolve_near_plane(const Scene& scene, TrainOptions& 
       *nearest, options.near_plane, TrainOptions().near_plane);
 }
 
+std::optional<std::string> resolve_budget(const Scene& scene, TrainOptions& options) {
+  const std::optional<double> pixels = limit_by_shown_pixels(scene, options);
+  if (!pixels) return std::nullopt;
+  return fmt::format(
+      "budget: training images show {:.0f} pixels on average, so up to {} Gaussians grow; "
+      "--gaussians-per-pixel 0 leaves it to --peak-gaussians",
+      *pixels, options.peak_gaussians);
+}
+
 }  // namespace
 
 std::vector<std::string> resolve_by_cloud(const Scene& scene, TrainOptions& options) {
   std::vector<std::string> lines;
-  for (const auto& line : {resolve_near_plane(scene, options), resolve_exposure(scene, options)})
+  for (const auto& line : {resolve_near_plane(scene, options), resolve_exposure(scene, options),
+                           resolve_budget(scene, options)})
     if (line) lines.push_back(*line);
   return lines;
 }
@@ -210,6 +221,7 @@ bool resolve_motion(Backend& backend, const Scene& scene,
   nodes.exposure = options.exposure;
   nodes.near_plane = options.near_plane;
   nodes.validation_share = options.validation_share;
+  limit_by_shown_pixels(scene, nodes);
   say("motion: two short trainings say whether motion nodes or dynamic Gaussians show more");
   const std::optional<MotionTrial> trial = try_motion(backend, scene, nodes, stop);
   if (!trial) return false;

@@ -32,7 +32,8 @@ std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& opti
 /// Replaces what options leave to a measurement on `scene`, which has its cloud; a line on each.
 /// A near plane of 0: by half of nearest_depth(scene), or by the usual one where the cloud has too
 /// few points. Exposure `auto`: by `camera` where the measured gains of the training cameras differ
-/// by more than 3 %, else by `none`.
+/// by more than 3 %, else by `none`. gaussians_per_pixel: lowers peak_gaussians by the pixels that
+/// the training images show.
 std::vector<std::string> resolve_by_cloud(const Scene& scene, TrainOptions& options);
 
 /// Replaces motion `auto`: the options become `with_nodes` where a trial on `scene`, which has its

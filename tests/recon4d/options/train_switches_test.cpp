@@ -130,9 +130,9 @@ const std::vector<Alternative>& same_models() {
   return rows;
 }
 
-/// Rows that act on the scene before it is trained on: CliSweep.CompletesAScene,
-/// CliScales.AreScoredAgainstTruthOfTheirSize.
-const char* const kBeforeTraining[] = {"sweep", "train_scale"};
+/// Rows that act on the scene or the options before a training: CliSweep.CompletesAScene,
+/// CliScales.AreScoredAgainstTruthOfTheirSize, ShownPixels.LimitTheGaussians.
+const char* const kBeforeTraining[] = {"sweep", "train_scale", "gaussians_per_pixel"};
 
 /// Rows that need more timesteps than a tiny capture has:
 /// MotionTraining.ControlPointsFollowTheOptions.
