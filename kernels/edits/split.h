@@ -3,8 +3,8 @@
 #pragma once
 #include "kernels/load_gaussian.h"
 #include "kernels/math/eigen3.h"
+#include "kernels/math/four_rotation.h"
 #include "kernels/math/random.h"
-#include "kernels/math/shape4.h"
 
 namespace tessera {
 
@@ -68,19 +68,20 @@ TESSERA_HD inline void become_half_of_pair(const GaussianSpans<Real>& v, int64_t
   for (int k = 1; k < 3; ++k)
     if (axes.values[k] > axes.values[longest]) longest = k;
   const Vec3<double> axis = axes.vectors[longest];
-  double column[4][4];
+  Mat4<double> axes_of_half;
   for (int k = 0; k < 4; ++k) {
     const double deviation = sqrt(variance[k]), t = R.m[0][k];
     const Vec3<double> along = axis * dot(axis, parent.u[k]);
     const Vec3<double> x = (parent.u[k] - along) * kHalfWidth + along * kHalfLength;
-    column[k][0] = deviation * t;
-    for (int i = 0; i < 3; ++i) column[k][i + 1] = deviation * (x[i] + parent.velocity[i] * t);
+    axes_of_half.m[0][k] = deviation * t;
+    for (int i = 0; i < 3; ++i)
+      axes_of_half.m[i + 1][k] = deviation * (x[i] + parent.velocity[i] * t);
   }
-  const Shape4 half = shape_of_columns(column);
-  *s_t = Real(half.log_length[0]);
+  const Shape4 half = shape_of(axes_of_half);
+  *s_t = Real(log(half.sigma[0]));
   const double distance = kHalfOffset * sqrt(max_of(axes.values[longest], 0.0));
   for (int k = 0; k < 3; ++k) {
-    s[k] = Real(half.log_length[k + 1]);
+    s[k] = Real(log(half.sigma[k + 1]));
     mean[k] += side * Real(distance * axis[k]);
   }
   for (int k = 0; k < 4; ++k) {

@@ -9,8 +9,8 @@
 #include "kernels/base/parallel.h"
 #include "kernels/load_gaussian.h"
 #include "kernels/math/eigen3.h"
+#include "kernels/math/four_rotation.h"
 #include "recon4d/model/element_edits.h"
-#include "static3d/transform/four_rotation.h"
 
 namespace tessera {
 namespace {

@@ -11,7 +11,7 @@
 #include "kernels/load_gaussian.h"
 #include "kernels/math/carry.h"
 #include "kernels/math/eigen3.h"
-#include "static3d/transform/four_rotation.h"
+#include "kernels/math/four_rotation.h"
 #include "static3d/transform/sh_rotation.h"
 
 namespace tessera {

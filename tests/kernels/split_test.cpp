@@ -171,21 +171,5 @@ TEST(SplitHalf, OfAFastAndThinPairKeepTheirDigits) {
   }
 }
 
-TEST(Shape4, AnyRotationOfSpaceTimeIsTwoQuaternions) {
-  Random random(9);
-  for (int round = 0; round < 200; ++round) {
-    Vec4<double> l, r;
-    for (int k = 0; k < 4; ++k) {
-      l[k] = random.uniform(-1, 1);
-      r[k] = random.uniform(-1, 1);
-    }
-    const Mat4<double> R = rotation4(l, r);
-    Vec4<double> left, right;
-    quaternions_of(R, left, right);
-    const Mat4<double> again = rotation4(left, right);
-    for (int i = 0; i < 16; ++i) ASSERT_NEAR(again.m[i / 4][i % 4], R.m[i / 4][i % 4], 1e-12);
-  }
-}
-
 }  // namespace
 }  // namespace tessera::testing

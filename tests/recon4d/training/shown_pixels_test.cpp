@@ -9,7 +9,7 @@ namespace tessera {
 namespace {
 
 /// Training frames of 40 × 20 grey pixels; of the first `empty` columns the background's.
-Scene pictures(int frames, int empty) {
+Scene grey_images(int frames, int empty) {
   Scene scene;
   scene.is_static = true;
   scene.background = {255, 255, 255};
@@ -35,7 +35,7 @@ int64_t budget(const Scene& scene, double per_pixel, int64_t peak) {
 // Bugs put back, seen to fail: the background counted with alpha, and left out without; masks
 // ignored; test frames counted; a limit that is raised.
 TEST(ShownPixels, LimitTheGaussians) {
-  Scene scene = pictures(3, 10);
+  Scene scene = grey_images(3, 10);
   EXPECT_EQ(budget(scene, 50, 400000), 50 * 800) << "without alpha white is a colour";
   scene.had_alpha = true;
   EXPECT_EQ(budget(scene, 50, 400000), 50 * 600);

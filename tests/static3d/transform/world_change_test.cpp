@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/math/environment.h"
+#include "kernels/math/four_rotation.h"
 #include "kernels/math/rotation3.h"
 #include "kernels/math/spacetime.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_file.h"
-#include "static3d/transform/four_rotation.h"
 #include "static3d/transform/sh_rotation.h"
 #include "static3d/transform/slicer.h"
 #include "static3d/transform/world_change.h"

@@ -1,13 +1,14 @@
-// One-sided Jacobi rotations of four columns, and quaternions by the largest component.
-#include "static3d/transform/four_rotation.h"
-
-#include <cmath>
+// The axes of a 4D Gaussian from any four vectors that span it or after a scale of space alone, and
+// the two quaternions of a rotation of space-time. In double: conversions and splits need them once
+// for each Gaussian. Source: [GolubVanLoan] one-sided Jacobi (section 8.6.3): small axes keep their
+// relative accuracy.
+#pragma once
+#include "kernels/math/rotation4.h"
 
 namespace tessera {
-namespace {
 
 /// Makes columns p and q orthogonal; false where they are, to rounding.
-bool orthogonalise(Mat4<double>& A, int p, int q) {
+TESSERA_HD inline bool orthogonalise(Mat4<double>& A, int p, int q) {
   constexpr double kOrthogonal = 1e-15;
   double pp = 0, qq = 0, pq = 0;
   for (int i = 0; i < 4; ++i) {
@@ -15,10 +16,10 @@ bool orthogonalise(Mat4<double>& A, int p, int q) {
     qq += A.m[i][q] * A.m[i][q];
     pq += A.m[i][p] * A.m[i][q];
   }
-  if (!(std::abs(pq) > kOrthogonal * std::sqrt(pp * qq))) return false;
+  if (!(abs_of(pq) > kOrthogonal * sqrt(pp * qq))) return false;
   const double zeta = (qq - pp) / (2 * pq);
-  const double t = std::copysign(1 / (std::abs(zeta) + std::sqrt(1 + zeta * zeta)), zeta);
-  const double c = 1 / std::sqrt(1 + t * t), s = c * t;
+  const double t = copysign(1 / (abs_of(zeta) + sqrt(1 + zeta * zeta)), zeta);
+  const double c = 1 / sqrt(1 + t * t), s = c * t;
   for (int i = 0; i < 4; ++i) {
     const double x = A.m[i][p], y = A.m[i][q];
     A.m[i][p] = c * x - s * y;
@@ -27,15 +28,14 @@ bool orthogonalise(Mat4<double>& A, int p, int q) {
   return true;
 }
 
-Vec4<double> unit_vector(int k) {
+TESSERA_HD inline Vec4<double> unit_vector4(int k) {
   Vec4<double> e(0.0);
   e[k] = 1;
   return e;
 }
 
-}  // namespace
-
-void quaternions_of_rotation4(const Mat4<double>& R, Vec4<double>& left, Vec4<double>& right) {
+/// Unit (l, r), up to a common sign, with rotation4(l, r) = R for a proper rotation R.
+TESSERA_HD inline void quaternions_of_rotation4(const Mat4<double>& R, Vec4<double>& left, Vec4<double>& right) {
   // The matrices L(e_i)·Q(e_j) are orthogonal to each other, with squared norm 4: the products
   // with R are l_i·r_j, and any element is r up to its length.
   double lr[4][4] = {};
@@ -45,7 +45,7 @@ void quaternions_of_rotation4(const Mat4<double>& R, Vec4<double>& left, Vec4<do
     double square = 0;
     for (int j = 0; j < 4; ++j) {
       const Mat4<double> basis =
-          multiply(left_matrix(unit_vector(i)), right_matrix(unit_vector(j)));
+          multiply(left_matrix(unit_vector4(i)), right_matrix(unit_vector4(j)));
       for (int a = 0; a < 4; ++a)
         for (int b = 0; b < 4; ++b) lr[i][j] += 0.25 * basis.m[a][b] * R.m[a][b];
       square += lr[i][j] * lr[i][j];
@@ -61,7 +61,14 @@ void quaternions_of_rotation4(const Mat4<double>& R, Vec4<double>& left, Vec4<do
   left = normalised(left);
 }
 
-Shape4 shape_of(Mat4<double> A) {
+/// Axes of x ↦ left·x·right, standard deviations along them, time's first.
+struct Shape4 {
+  Vec4<double> left, right;
+  Vec4<double> sigma;
+};
+
+/// The axes of the Gaussian A·z, z ~ N(0, I₄), on (t, x, y, z). Needs det A > 0.
+TESSERA_HD inline Shape4 shape_of(Mat4<double> A) {
   constexpr int kMaxSweeps = 30;  // quadratic convergence: 4 to 8 suffice
   bool turned = true;
   for (int sweep = 0; sweep < kMaxSweeps && turned; ++sweep) {
@@ -73,19 +80,21 @@ Shape4 shape_of(Mat4<double> A) {
   for (int k = 0; k < 4; ++k) {
     double square = 0;
     for (int i = 0; i < 4; ++i) square += A.m[i][k] * A.m[i][k];
-    shape.sigma[k] = std::sqrt(square);
+    shape.sigma[k] = sqrt(square);
     for (int i = 0; i < 4; ++i) A.m[i][k] /= shape.sigma[k];
   }
   quaternions_of_rotation4(A, shape.left, shape.right);
   return shape;
 }
 
-bool scale_space(double scale, Shape4& shape) {
+/// Stretches the three spatial directions by `scale` > 0. False, and nothing changed, where the
+/// axes stay as they are because none mixes space and time.
+TESSERA_HD inline bool scale_space(double scale, Shape4& shape) {
   // Axes that mix by less than a float's rounding of the quaternions are pure: a lifted static
   // Gaussian stays one, to the bit.
   constexpr double kPure = 1e-6;
   Mat4<double> A = rotation4(shape.left, shape.right);
-  if (scale == 1 || std::abs(A.m[0][0]) > 1 - 0.5 * kPure * kPure) return false;
+  if (scale == 1 || abs_of(A.m[0][0]) > 1 - 0.5 * kPure * kPure) return false;
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k < 4; ++k) A.m[i][k] *= (i == 0 ? 1 : scale) * shape.sigma[k];
   shape = shape_of(A);
