@@ -35,7 +35,8 @@ TESSERA_HD inline Vec4<double> unit_vector4(int k) {
 }
 
 /// Unit (l, r), up to a common sign, with rotation4(l, r) = R for a proper rotation R.
-TESSERA_HD inline void quaternions_of_rotation4(const Mat4<double>& R, Vec4<double>& left, Vec4<double>& right) {
+TESSERA_HD inline void quaternions_of_rotation4(const Mat4<double>& R, Vec4<double>& left,
+                                                Vec4<double>& right) {
   // The matrices L(e_i)·Q(e_j) are orthogonal to each other, with squared norm 4: the products
   // with R are l_i·r_j, and any element is r up to its length.
   double lr[4][4] = {};
