@@ -239,6 +239,9 @@ class BackendOf {
   virtual void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam,
                            Span<Real> value, Span<Real> moment1, Span<Real> moment2) = 0;
 
+  /// mean[i] += weight · (values[i] − mean[i]).
+  virtual void add_to_mean(Span<const Real> values, Real weight, Span<Real> mean) = 0;
+
   /// to[i] = from[index[i]] for elements of `width` scalars; index −1 writes zeros, as do elements
   /// from `inherited` on.
   virtual void gather_elements(Span<const Real> from, Span<const int64_t> index, int width,

@@ -38,6 +38,7 @@ class CpuBackend final : public BackendOf<Real> {
   void adam(const SinkArgs<Real>& args) override;
   void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam, Span<Real> value,
                    Span<Real> moment1, Span<Real> moment2) override;
+  void add_to_mean(Span<const Real> values, Real weight, Span<Real> mean) override;
   void gather_elements(Span<const Real> from, Span<const int64_t> index, int width,
                        int64_t inherited, Span<Real> to) override;
   void select_elements(const GaussianSpans<const Real>& set,

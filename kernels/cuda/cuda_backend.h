@@ -83,6 +83,7 @@ class CudaBackend final : public Backend {
   void adam(const SinkArgs<float>& args) override;
   void adam_values(Span<const float> gradient, const AdamScalars<float>& adam, Span<float> value,
                    Span<float> moment1, Span<float> moment2) override;
+  void add_to_mean(Span<const float> values, float weight, Span<float> mean) override;
   void gather_elements(Span<const float> from, Span<const int64_t> index, int width,
                        int64_t inherited, Span<float> to) override;
   void select_elements(const GaussianSpans<const float>& set,

@@ -59,6 +59,14 @@ void CpuBackend<Real>::gather_elements(Span<const Real> from, Span<const int64_t
 }
 
 template <class Real>
+void CpuBackend<Real>::add_to_mean(Span<const Real> values, Real weight, Span<Real> mean) {
+  constexpr int64_t kGrain = 1 << 16;  // scalars per task
+  parallel_for(values.size, kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) mean[i] += weight * (values[i] - mean[i]);
+  });
+}
+
+template <class Real>
 void CpuBackend<Real>::limit_values(Span<Real> values, Real limit) {
   for (Real& value : values) value = std::min(value, limit);
 }
@@ -72,6 +80,7 @@ void CpuBackend<Real>::fill_zero(Span<Real> values) {
   template void CpuBackend<Real>::adam(const SinkArgs<Real>&);                                \
   template void CpuBackend<Real>::gather_elements(Span<const Real>, Span<const int64_t>, int, \
                                                   int64_t, Span<Real>);                       \
+  template void CpuBackend<Real>::add_to_mean(Span<const Real>, Real, Span<Real>);            \
   template void CpuBackend<Real>::limit_values(Span<Real>, Real);                             \
   template void CpuBackend<Real>::fill_zero(Span<Real>);
 TESSERA_INSTANTIATE(float)

@@ -35,6 +35,11 @@ __global__ void gather(const T* from, Span<const int64_t> index, int width, int6
   to[scalar] = element >= 0 ? from[element * width + scalar % width] : T{};
 }
 
+__global__ void approach(Span<const float> values, float weight, Span<float> mean) {
+  const int64_t i = linear_index();
+  if (i < values.size) mean[i] += weight * (values[i] - mean[i]);
+}
+
 __global__ void limit(Span<float> values, float most) {
   const int64_t i = linear_index();
   if (i < values.size) values[i] = fminf(values[i], most);
@@ -81,6 +86,12 @@ void CudaBackend::gather_elements(Span<const float> from, Span<const int64_t> in
     launch_linear<kThreads>(stream_, "gather_elements: gather", gather<float>, to.size, from.data,
                             index, width, inherited, to.data);
   clock_.add_bytes(kDensity, 8.0 * double(to.size));
+}
+
+void CudaBackend::add_to_mean(Span<const float> values, float weight, Span<float> mean) {
+  if (values.empty()) return;
+  launch_linear<kThreads>(stream_, "add_to_mean: approach", approach, values.size, values, weight,
+                          mean);
 }
 
 void CudaBackend::limit_values(Span<float> values, float most) {

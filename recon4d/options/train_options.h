@@ -56,6 +56,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   double lr_mean_time = 1.6e-4;
   double lr_scale = 5e-3, lr_scale_time = 5e-3, lr_rotation = 1e-3, lr_velocity = 5e-4;
   double lr_opacity = 0.05, lr_sh = 2.5e-3, lr_sh_rest = 1.25e-4;
+  double average_from = 0;
   bool fused_optimizer = true;
   IdleUpdate idle_updates = IdleUpdate::kDense;
   // density control

@@ -22,7 +22,8 @@ Schedule::Schedule(const TrainOptions& options, double extent)
       opacity_reset_interval_(scaled(options.opacity_reset_interval)),
       reorder_interval_(scaled(options.reorder_interval)),
       nodes_from_(scaled(options.nodes_from)),
-      node_knot_interval_(std::max<int64_t>(1, scaled(options.node_knot_interval))) {}
+      node_knot_interval_(std::max<int64_t>(1, scaled(options.node_knot_interval))),
+      average_from_(std::llround(options.average_from * double(options.iterations))) {}
 
 int Schedule::sh_degree(int64_t i) const {
   return int(std::min<int64_t>(options_.sh_degree, i / sh_interval_));
@@ -68,8 +69,14 @@ bool Schedule::measure_filter(int64_t i) const {
   return i > densify_until_ && i % interval == 0 && i + interval <= options_.iterations;
 }
 
+bool Schedule::averages(int64_t i) const {
+  constexpr int64_t kInterval = 5;  // neighbouring steps differ little
+  return options_.average_from > 0 && i >= average_from_ && i % kInterval == 0;
+}
+
 bool Schedule::prune_unseen(int64_t i) const {
-  constexpr int64_t kRecovery = 500;  // steps
+  constexpr int64_t kRecovery = 500;                                  // steps
+  if (options_.average_from > 0 && i >= average_from_) return false;  // would begin it anew
   if (options_.min_blending_weight <= 0 || i < std::max<int64_t>(densify_from_, 1)) return false;
   if (i % options_.unseen_interval != 0) return false;
   for (int64_t before = 1; before < std::min(kRecovery, i); ++before)

@@ -30,6 +30,8 @@ class Schedule {
   bool reorder(int64_t i) const;
   /// Not before Gaussians are opaque again after a reset of their opacities.
   bool prune_unseen(int64_t i) const;
+  /// Whether the parameters after step i are among those that are averaged.
+  bool averages(int64_t i) const;
   /// The sizes of the 3D filter: at the start, after density control, and on from its end.
   bool measure_filter(int64_t i) const;
   /// Whether motion nodes start before step i.
@@ -59,7 +61,8 @@ class Schedule {
   const TrainOptions options_;
   double extent_;
   int64_t densify_from_, densify_until_, prune_large_from_, sh_interval_;
-  int64_t opacity_reset_interval_, reorder_interval_, nodes_from_, node_knot_interval_;
+  int64_t opacity_reset_interval_, reorder_interval_, nodes_from_, node_knot_interval_,
+      average_from_;
 };
 
 }  // namespace tessera

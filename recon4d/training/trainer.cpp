@@ -89,6 +89,7 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       gradients_{state_.model.static_set.like(backend.memory()),
                  state_.model.dynamic_set.like(backend.memory())},
       timesteps_(scene.timesteps_of(Split::kTrain)),
+      average_(backend),
       d_nodes_(backend.memory()),
       d_environment_(backend.memory()),
       exposed_(exposure_rows(scene, train_frames_, options_)) {
@@ -144,6 +145,7 @@ void Trainer::apply(const StateEdit& edit) {
   complete_pending();
   forget_copies();
   pipeline_.release();
+  average_.begin_anew();
   apply_edit(backend_, edit, state_);
   for (int k = 0; k < 2 && options_.filter_3d != Filter3d::kNone; ++k) measure_filter(k);
 }
@@ -215,6 +217,7 @@ void Trainer::control() {
   model.drawing.sh_degree = degree;
   model.drawing.sh_time_degree = time_degree;
   if (densifies) densify();
+  if (densifies || reorders) average_.begin_anew();
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state_.set(k);
     if (set.count() == 0) continue;
@@ -287,6 +290,7 @@ void Trainer::control_nodes() {
   const bool has_motion = timesteps_ > 1 && options_.motion == Motion::kNodes;
   if (has_motion && schedule_.start_nodes(i) && model.nodes.empty()) {
     complete_pending();
+    average_.begin_anew();
     Buffer<float> mean, opacity_logit;
     mean.copy_from(model.static_set.group(kMean).value);
     opacity_logit.copy_from(model.static_set.group(kOpacityLogit).value);
@@ -296,6 +300,7 @@ void Trainer::control_nodes() {
     gradients_[0] = model.static_set.like(backend_.memory());
   } else if (!model.nodes.empty() && knots > model.nodes.knots) {
     complete_pending();
+    average_.begin_anew();
     refit_nodes(knots, i, model.nodes);
   }
   if (!model.nodes.empty() &&
@@ -344,6 +349,7 @@ void Trainer::step() {
                  true);
   backward();
   prefetch();
+  if (schedule_.averages(state_.iteration)) average_.add(state_);
   ++state_.iteration;
   state_.sampler_epoch = sampler_.epoch();
   state_.sampler_position = sampler_.position();
@@ -446,6 +452,7 @@ void Trainer::complete_pending() {
 
 void Trainer::finish() {
   forget_copies();
+  average_.take_place(state_);
   const bool filtered = is_filtered(state_, options_);
   for (int k = 0; k < 2; ++k) {
     if (filtered) backend_.edit_by_filter(FilterEdit::kBake, state_.filtered_values(k), 0);

@@ -15,6 +15,7 @@
 #include "recon4d/model/train_state.h"
 #include "recon4d/training/batch_sampler.h"
 #include "recon4d/training/frame_cache.h"
+#include "recon4d/training/parameter_average.h"
 #include "recon4d/training/schedule.h"
 
 namespace tessera {
@@ -121,7 +122,8 @@ class Trainer {
   GaussianSet gradients_[2];  // only with a separate optimizer
   /// Only with a 3D filter: of the static set every camera once, of the dynamic one every frame.
   ViewBatch<float> filter_views_[2];
-  int64_t timesteps_;    // of the training frames
+  int64_t timesteps_;  // of the training frames
+  ParameterAverage average_;
   MotionNodes d_nodes_;  // gradients
   Buffer<float> d_environment_;
   ExposureRows exposed_;

@@ -125,6 +125,9 @@ class FaultyBackend final : public Backend {
   void edit_by_filter(FilterEdit edit, const GaussianSpans<float>& set, float limit) override {
     cpu_->edit_by_filter(edit, set, limit);
   }
+  void add_to_mean(Span<const float> values, float weight, Span<float> mean) override {
+    cpu_->add_to_mean(values, weight, mean);
+  }
   void limit_values(Span<float> values, float limit) override { cpu_->limit_values(values, limit); }
   void fill_zero(Span<float> values) override { cpu_->fill_zero(values); }
 

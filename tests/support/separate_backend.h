@@ -271,6 +271,11 @@ class SeparateBackend final : public Backend {
     check_lies_here(set);
     separate_memory.inside([&] { cpu_->edit_by_filter(edit, set, limit); });
   }
+  void add_to_mean(Span<const float> values, float weight, Span<float> mean) override {
+    check_lies_here(values);
+    check_lies_here(mean);
+    separate_memory.inside([&] { cpu_->add_to_mean(values, weight, mean); });
+  }
   void limit_values(Span<float> values, float limit) override {
     check_lies_here(values);
     separate_memory.inside([&] { cpu_->limit_values(values, limit); });

@@ -105,6 +105,7 @@ const std::vector<Alternative>& alternatives() {
       {"min_blending_weight", 0.2, {{"unseen_interval", 10}}},
       {"unseen_interval", 7, {{"min_blending_weight", 0.2}}},
       {"reorder_interval", 0},
+      {"average_from", 0.5},
       {"idle_updates", "skip"},
       {"motion_nodes", 8, kNodes},
       {"nodes_from", 12, kNodes},

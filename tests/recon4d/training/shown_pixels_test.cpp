@@ -44,14 +44,17 @@ TEST(ShownPixels, LimitTheGaussians) {
   EXPECT_EQ(budget(scene, 50, 0), 0) << "no limit to lower";
   EXPECT_EQ(budget(scene, 1, 400000), 10000) << "the least";
   Image8 half{40, 20, 1, std::vector<uint8_t>(800, 255)};
-  std::fill_n(half.data.begin(), 400, uint8_t(0));
+  for (int y = 0; y < 20; ++y) std::fill_n(half.data.begin() + 40 * y + 20, 20, uint8_t(0));
   for (Frame& frame : scene.frames) frame.mask = FrameMask(half);
-  EXPECT_EQ(budget(scene, 50, 400000), 50 * 300);
+  EXPECT_EQ(budget(scene, 100, 400000), 100 * 200);
+  scene.had_alpha = false;
+  EXPECT_EQ(budget(scene, 100, 400000), 100 * 400);
+  scene.had_alpha = true;
   scene.frames[0].split = Split::kTest;
   scene.frames[0].mask = FrameMask();
-  EXPECT_EQ(budget(scene, 50, 400000), 50 * 300);
+  EXPECT_EQ(budget(scene, 100, 400000), 100 * 200);
   scene.frames[1].image.data.assign(3 * 800, 255);
-  EXPECT_EQ(budget(scene, 100, 400000), 100 * 150) << "on average";
+  EXPECT_EQ(budget(scene, 200, 400000), 200 * 100) << "on average";
 }
 
 }  // namespace
