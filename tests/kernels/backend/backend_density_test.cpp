@@ -72,7 +72,6 @@ TEST_P(BackendDensity, ElementsAreTheCpus) {
 }
 
 TEST_P(BackendDensity, DrawnElementsAreTheCpus) {
-  // Bugs put back, seen to fail: another seed; the draw left out.
   for (const SetForm form : kForms)
     for (const int64_t room : {int64_t{0}, int64_t{1}, int64_t{333}, int64_t{100000}}) {
       const TestGaussians<float> set = crowd(form, 81);
@@ -95,7 +94,7 @@ TEST_P(BackendDensity, DrawnElementsAreTheCpus) {
 }
 
 TEST_P(BackendDensity, GrowthWeightsAreTheCpus) {
-  // Bugs put back, seen to fail: the dead counted, too; those below the threshold counted, too.
+  // Bug put back: those below the threshold counted, too; seen to fail.
   for (const SetForm form : kForms)
     for (const int64_t count : {int64_t{0}, int64_t{1}, kCrowd}) {
       const TestGaussians<float> set = crowd(form, 81, count);
@@ -129,7 +128,6 @@ TEST_P(BackendDensity, ElementsOfEmptyAndOfDyingSets) {
 
 TEST_P(BackendDensity, ChildrenAreTheCpus) {
   // Bugs put back, seen to fail: another seed; the first child left out.
-  // Halves: the other side; the axes of Σ₄ in place of those of Σ_c.
   for (const SetForm form : kForms)
     for (const SplitRule& rule : {SplitRule{false, 7}, SplitRule{true, 0}}) {
       Random random(85);
@@ -197,7 +195,6 @@ TEST_P(BackendDensity, GatheredElementsAreThoseOfTheIndex) {
 }
 
 TEST_P(BackendDensity, RunningMeans) {
-  // Bugs put back, seen to fail: the weight left out; the last one not reached.
   Random random(90);
   std::vector<float> sum(kCrowd, 0.0f);
   Buffer<float> mean = stored(std::vector<float>(kCrowd, 7.0f), memory());

@@ -108,8 +108,6 @@ TEST_P(BackendGradient, GaussiansThatOnlySomeViewsSee) {
 }
 
 TEST_P(BackendGradient, StatisticsOfAbsoluteGradientsEqualTheOracles) {
-  // Bugs put back, seen to fail: only the pixels of a warp's first half added; the sum of the
-  // gradients in place of that of their lengths.
   for (const SceneCase& c : kSceneCases)
     for (const bool deterministic : {false, true}) {
       SCOPED_TRACE(std::string(c.name) + (deterministic ? ", deterministic" : ""));

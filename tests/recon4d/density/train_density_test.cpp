@@ -230,7 +230,7 @@ std::array<int, 3> draws(const std::array<float, 3>& gradients, int rounds, bool
   return chosen;
 }
 
-// Bugs put back, seen to fail: −ln(U)·score; the same number for every Gaussian.
+// Bug put back: −ln(U)·score; seen to fail.
 TEST(DensityBudget, WhereRoomIsShortGaussiansAreDrawnByTheirGradients) {
   constexpr int kRounds = 4000;
   const std::array<float, 3> gradients{3e-4f, 6e-4f, 9e-4f};
@@ -242,7 +242,7 @@ TEST(DensityBudget, WhereRoomIsShortGaussiansAreDrawnByTheirGradients) {
   EXPECT_EQ(draws(gradients, 5, false), (std::array<int, 3>{0, 0, 5})) << "the strongest";
 }
 
-// Bugs put back, seen to fail: what is below the threshold drawn, too; small ones cloned.
+// Bug put back: small ones cloned; seen to fail.
 TEST(DensityBudget, HalvesWhateverSizeItHas) {
   TrainOptions options;
   options.densification = Densification::kBudget;

@@ -50,7 +50,7 @@ TEST(TrainSchedule, EventsOfTheReference) {
     EXPECT_EQ(schedule.sh_degree(steps[k]), degrees[k]) << steps[k];
 }
 
-// Bugs put back, seen to fail: a linear share; the number of steps in place of that of controls.
+// Bug put back: a linear share; seen to fail.
 TEST(TrainSchedule, SharesOfGrowthFollowTheSquareRootAndEndAtTheLimit) {
   TrainOptions options;
   options.iterations = 6500;  // controls at 132, 165 … 3234: 95
