@@ -8,6 +8,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_memory.h"
+#include "kernels/cuda/device_sum.cuh"
 #include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/sort.h"
 #include "kernels/edits/density.h"
@@ -80,9 +81,6 @@ struct CandidateWeight {
   __device__ double operator()(int64_t n) const {
     return double(max_of(candidate_score(limits, set, statistics, n), 0.0f));
   }
-};
-struct Plus {
-  __host__ __device__ double operator()(double a, double b) const { return a + b; }
 };
 
 struct WidenBox {
@@ -178,22 +176,9 @@ void CudaBackend::select_elements(const GaussianSpans<const float>& set,
 double CudaBackend::growth_weight(const GaussianSpans<const float>& set,
                                   const DensityStatistics<const float>& statistics,
                                   const DensityRule& rule) {
-  size_t bytes = 0;
-  scratch_.resize(sizeof(double));
-  double* const sum = reinterpret_cast<double*>(scratch_.data());
   const CandidateWeight weight{density_limits<float>(rule), set, statistics};
-  const auto reduce = [&](void* memory) {
-    check_device(
-        cub::DeviceReduce::TransformReduce(memory, bytes, thrust::counting_iterator<int64_t>(0),
-                                           sum, set.count, Plus{}, weight, 0.0, stream_),
-        "growth_weight");
-  };
-  reduce(nullptr);
-  sort_scratch_.resize(int64_t(bytes));
-  reduce(sort_scratch_.data());
-  double result = 0;
-  memory_.copy(&result, sum, sizeof(result));
-  return result;
+  return device_sum(stream_, thrust::counting_iterator<int64_t>(0), set.count, weight, scratch_,
+                    sort_scratch_, memory_, "growth_weight");
 }
 
 void CudaBackend::place_children(const GaussianSpans<float>& set, int64_t first,

@@ -16,6 +16,12 @@ inline constexpr double kSplitShrink = 0.47000362924573558;
 /// along the axis.
 inline constexpr double kHalfOffset = 0.8, kHalfLength = 0.6, kHalfWidth = 0.9, kHalfOpacity = 0.6;
 
+template <class T>
+TESSERA_HD inline int longest_of(const T& lengths) {
+  const int of_first_two = lengths[1] > lengths[0] ? 1 : 0;
+  return lengths[2] > lengths[of_first_two] ? 2 : of_first_two;
+}
+
 /// Moves the copy at element n to a sample of the distribution it is a copy of, and shrinks it.
 template <SetForm form, class Real>
 TESSERA_HD inline void become_sample(const GaussianSpans<Real>& v, int64_t n, uint64_t seed) {
@@ -64,9 +70,7 @@ TESSERA_HD inline void become_half_of_pair(const GaussianSpans<Real>& v, int64_t
   Sym3<double> covariance{};
   for (int k = 0; k < 4; ++k) covariance += variance[k] * symmetric_outer(parent.u[k], parent.u[k]);
   const Eigen3 axes = symmetric_eigen(covariance);
-  int longest = 0;
-  for (int k = 1; k < 3; ++k)
-    if (axes.values[k] > axes.values[longest]) longest = k;
+  const int longest = longest_of(axes.values);
   const Vec3<double> axis = axes.vectors[longest];
   Mat4<double> axes_of_half;
   for (int k = 0; k < 4; ++k) {
@@ -97,9 +101,7 @@ TESSERA_HD inline void become_half(const GaussianSpans<Real>& v, int64_t n, Real
     become_half_of_pair(v, n, side);
   } else {
     Real *s = v.at(kLogScale, n), *mean = v.at(kMean, n);
-    int longest = 0;
-    for (int k = 1; k < 3; ++k)
-      if (s[k] > s[longest]) longest = k;
+    const int longest = longest_of(s);
     const Mat3<Real> R = rotation_matrix(load4<Real>(v.at(kRotation, n)));
     const Real distance = side * Real(kHalfOffset) * exp(s[longest]);
     for (int k = 0; k < 3; ++k) {

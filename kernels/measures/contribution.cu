@@ -1,9 +1,8 @@
 // Sums of splats for each Gaussian and sums over images, on the device, with one thread for each
 // Gaussian or pixel.
-#include <cub/device/device_reduce.cuh>
-
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
+#include "kernels/cuda/device_sum.cuh"
 #include "kernels/cuda/launch.cuh"
 #include "kernels/measures/contribution.h"
 
@@ -51,9 +50,6 @@ __global__ void __launch_bounds__(kThreads)
   if (p < pixels) write_added_squares(before, residual, pixels, p);
 }
 
-struct Plus {
-  __device__ double operator()(double a, double b) const { return a + b; }
-};
 struct Square {
   __device__ double operator()(float value) const { return double(value) * double(value); }
 };
@@ -97,20 +93,8 @@ void CudaBackend::added_squares(const ViewBatch<float>& batch, Span<const float>
 }
 
 double CudaBackend::sum_of_squares(Span<const float> values) {
-  size_t bytes = 0;
-  scratch_.resize(sizeof(double));
-  double* const sum = reinterpret_cast<double*>(scratch_.data());
-  const auto reduce = [&](void* memory) {
-    check_device(cub::DeviceReduce::TransformReduce(memory, bytes, values.data, sum, values.size,
-                                                    Plus{}, Square{}, 0.0, stream_),
-                 "sum_of_squares");
-  };
-  reduce(nullptr);
-  sort_scratch_.resize(int64_t(bytes));
-  reduce(sort_scratch_.data());
-  double result = 0;
-  memory_.copy(&result, sum, sizeof(result));
-  return result;
+  return device_sum(stream_, values.data, values.size, Square{}, scratch_, sort_scratch_, memory_,
+                    "sum_of_squares");
 }
 
 }  // namespace tessera

@@ -22,6 +22,7 @@ std::vector<TrainOption> model_option_rows();
 std::vector<TrainOption> motion_option_rows();
 /// The loss, learning rates, density control, the size of the model, how kernels work.
 std::vector<TrainOption> optimisation_option_rows();
+std::vector<TrainOption> growth_option_rows();
 
 template <auto Member>
 ChoiceMember choice() {

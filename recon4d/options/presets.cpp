@@ -82,13 +82,16 @@ void apply_rates(TrainOptions& options, const FrameRates& rates, const SceneFact
 
 /// Few cameras constrain positions little: more Gaussians than that fit their noise.
 void limit_by_pixels(TrainOptions& options, int64_t pixels_per_gaussian, int64_t pixels) {
-  constexpr int64_t kLeastLimit = 10000;
-  if (pixels_per_gaussian == 0 || pixels == 0) return;
-  const int64_t limit = std::max(kLeastLimit, pixels / pixels_per_gaussian);
-  if (options.peak_gaussians == 0 || options.peak_gaussians > limit) options.peak_gaussians = limit;
+  if (pixels_per_gaussian > 0 && pixels > 0) lower_limit(options, pixels / pixels_per_gaussian);
 }
 
 }  // namespace
+
+void lower_limit(TrainOptions& options, int64_t gaussians) {
+  constexpr int64_t kLeast = 10000;
+  const int64_t limit = std::max(kLeast, gaussians);
+  if (options.peak_gaussians == 0 || options.peak_gaussians > limit) options.peak_gaussians = limit;
+}
 
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> rows = {

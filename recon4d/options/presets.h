@@ -68,6 +68,9 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, 
 /// Of the training split; images need not be loaded.
 SceneFacts facts_of(const Scene& scene);
 
+/// Lowers peak_gaussians to so many, but not below 10,000; where it is 0, sets it.
+void lower_limit(TrainOptions& options, int64_t gaussians);
+
 using Preset = NamedOptions;
 const std::vector<Preset>& presets();
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recon4d/options/presets.h"
+
 namespace tessera {
 namespace {
 
@@ -28,7 +30,6 @@ int64_t shown_pixels(const Scene& scene, const Frame& frame) {
 }  // namespace
 
 std::optional<double> limit_by_shown_pixels(const Scene& scene, TrainOptions& options) {
-  constexpr int64_t kLeastLimit = 10000;
   if (options.gaussians_per_pixel == 0 || options.peak_gaussians == 0) return std::nullopt;
   int64_t frames = 0, shown = 0;
   for (const Frame& frame : scene.frames) {
@@ -38,11 +39,9 @@ std::optional<double> limit_by_shown_pixels(const Scene& scene, TrainOptions& op
   }
   if (frames == 0) return std::nullopt;
   const double pixels = double(shown) / double(frames);
-  const int64_t limit =
-      std::max<int64_t>(kLeastLimit, std::llround(options.gaussians_per_pixel * pixels));
-  if (limit >= options.peak_gaussians) return std::nullopt;
-  options.peak_gaussians = limit;
-  return pixels;
+  const int64_t before = options.peak_gaussians;
+  lower_limit(options, std::llround(options.gaussians_per_pixel * pixels));
+  return options.peak_gaussians < before ? std::optional(pixels) : std::nullopt;
 }
 
 }  // namespace tessera

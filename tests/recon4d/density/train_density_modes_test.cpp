@@ -180,16 +180,22 @@ double weight_of(const GaussianSet& set, const SetStatistics& statistics,
   return weight;
 }
 
+/// Growth by a budget up to `limit`; what has any gradient to speak of may grow.
+TrainOptions budget_options(int64_t limit, double threshold) {
+  TrainOptions options = quick_options();
+  options.densification = Densification::kBudget;
+  options.densify_threshold = threshold;
+  options.max_gaussians = limit;
+  return options;
+}
+
 // Bugs put back, seen to fail: the share of the static set by its count; no share of the budget.
 TEST(DensityModes, ADrawSharesTheBudgetByTheScoresOfBothSets) {
   const Scene scene = tiny_capture();
-  TrainOptions options = quick_options();
-  options.densification = Densification::kBudget;
-  options.densify_threshold = 1e-5;
+  TrainOptions options = budget_options(160, 1e-5);
   options.static_fraction = 0.5;
   options.prune_opacity = 1e-4;  // nothing is removed: that would make room in its set
   options.prune_extent = 0;
-  options.max_gaussians = 160;
   Training training(scene, options);
   training.run(40);
   const TrainState& state = training.state();
@@ -212,10 +218,7 @@ TEST(DensityModes, ADrawSharesTheBudgetByTheScoresOfBothSets) {
 // Bug put back: the control at the end leaves a share of the room; seen to fail.
 TEST(DensityModes, TheBudgetIsFilledInTheEndAndASeedGivesTheSameBits) {
   const Scene scene = tiny_capture();
-  TrainOptions options = quick_options();
-  options.densification = Densification::kBudget;
-  options.densify_threshold = 1e-7;
-  options.max_gaussians = 300;
+  TrainOptions options = budget_options(300, 1e-7);
   Training first(scene, options), second(scene, options);
   const std::vector<uint32_t> bits = model_bits(first.run(290).model());
   EXPECT_EQ(first.model().count(), 300);
