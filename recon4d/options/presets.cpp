@@ -24,12 +24,40 @@ const OptionOverrides kBalanced = joined(kReduction, {{"iterations", 7000},
                                                       {"prune_extent", 0},
                                                       {"sweep", true},
                                                       {"split_by_motion", true},
-                                                      {"filter_2d", true}});
+                                                      {"filter_2d", true},
+                                                      {"average_from", 0.85}});
 /// Rigs of few cameras fit noise with more: 108,000 for ten of 480 × 360.
 constexpr int64_t kPixelsPerGaussian = 16;
-/// Photos of a place: what is seen far behind it is part of it.
-const OptionOverrides kStill = {{"far_plane", 1e4}};
-const OptionOverrides kBalancedStill = joined(kStill, {{"filter_2d", false}});
+/// Gaussians grow where gradients stay large, up to a number that the pixels allow, and small
+/// weights on opacities and scales keep the model from what only training views show
+/// (research/growth.md).
+const OptionOverrides kBudget = {{"densification", "budget"}, {"densify_threshold", 1e-4},
+                                 {"densify_until", 14900},    {"prune_extent", 0},
+                                 {"init_opacity", 0.1},       {"gaussians_per_pixel", 1.8},
+                                 {"opacity_weight", 0.003},   {"scale_weight", 0.003}};
+/// Photos of a place, two a step: what is seen far behind it is part of it.
+const OptionOverrides kStill = joined(kBudget, {{"far_plane", 1e4},
+                                                {"filter_2d", false},
+                                                {"decide_colour", false},
+                                                {"batch", 2},
+                                                {"idle_updates", "skip"},
+                                                {"init_points", 30000},
+                                                {"lr_mean", 2.3e-4},
+                                                {"lr_mean_final", 2.3e-6},
+                                                {"lr_scale", 7e-3},
+                                                {"lr_rotation", 1.4e-3},
+                                                {"lr_opacity", 0.035},
+                                                {"lr_sh", 3.5e-3},
+                                                {"lr_sh_rest", 7e-4},
+                                                {"average_from", 0.85}});
+const OptionOverrides kFastStill =
+    joined(kStill, {{"iterations", 2800}, {"densify_interval", 25}, {"peak_gaussians", 150000}});
+const OptionOverrides kBalancedStill =
+    joined(kStill, {{"iterations", 6000}, {"densify_interval", 33}, {"peak_gaussians", 400000}});
+const OptionOverrides kBestStill = joined(kStill, {{"iterations", 16000},
+                                                   {"densify_interval", 50},
+                                                   {"peak_gaussians", 800000},
+                                                   {"thin_until", 25000}});
 /// Several cameras that film at the same time: every timestep is seen from several sides, so
 /// dynamic Gaussians start a few frames long, and cameras may differ in colour. Gaussians between
 /// the cameras and the scene cover the views of others.
@@ -54,16 +82,11 @@ const OptionOverrides kBestRig = joined(kRig, {{"iterations", 15000},
 /// With one view a timestep, frames that a short trial holds out decide whether nodes carry
 /// the scene (recon4d/training/motion_trial.h).
 const OptionOverrides kSingleView = {{"motion", "auto"}};
-const OptionOverrides kNodes = {{"min_blending_weight", 0.05}};
-/// MCMC densification is 2 dB worse with nodes than this; more views a step or steps gain nothing.
-const OptionOverrides kBestNodes = joined(kNodes, {{"iterations", 14000},
-                                                   {"batch", 2},
-                                                   {"densification", "adc"},
-                                                   {"densify_until", 14900},
-                                                   {"thin_until", 25000},
-                                                   {"opacity_weight", 0},
-                                                   {"scale_weight", 0},
-                                                   {"init_opacity", 0.1}});
+const OptionOverrides kNodes = joined(
+    kBudget, {{"min_blending_weight", 0.05}, {"densify_interval", 50}, {"peak_gaussians", 100000}});
+/// More views a step or steps gain nothing.
+const OptionOverrides kBestNodes =
+    joined(kNodes, {{"iterations", 14000}, {"batch", 2}, {"thin_until", 25000}});
 /// The chain's own settings  [3DGS-MCMC].
 const OptionOverrides kMcmc = {{"densification", "mcmc"},
                                {"densify_until", 24900},
@@ -85,6 +108,17 @@ void limit_by_pixels(TrainOptions& options, int64_t pixels_per_gaussian, int64_t
   if (pixels_per_gaussian > 0 && pixels > 0) lower_limit(options, pixels / pixels_per_gaussian);
 }
 
+/// Few views say less about a Gaussian: fewer of them in fewer steps, whose colours keep closer to
+/// one of all directions, and more weight on small and faint ones (research/growth.md).
+void fit_to_views(TrainOptions& options, int64_t views) {
+  const double share = std::min(1.0, double(views) / double(kManyViews));
+  options.iterations = std::min(options.iterations, kStepsPerView * views);
+  options.gaussians_per_pixel *= share;
+  options.lr_sh_rest *= share;
+  options.opacity_weight /= share;
+  options.scale_weight /= share;
+}
+
 }  // namespace
 
 void lower_limit(TrainOptions& options, int64_t gaussians) {
@@ -96,7 +130,7 @@ void lower_limit(TrainOptions& options, int64_t gaussians) {
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> rows = {
       {"fast",
-       "a first result in minutes on a CPU: 2,000 steps, at most 40,000 Gaussians",
+       "a first result: 2,000 steps, at most 40,000 Gaussians; photos 2,800 steps, 150,000",
        {{"iterations", 2000},
         {"schedule_iterations", 30000},
         {"init_points", 20000},
@@ -105,23 +139,22 @@ const std::vector<Preset>& presets() {
         {"prune_extent", 0},
         {"sweep", true},
         {"split_by_motion", true}},
-       kStill,
+       kFastStill,
+       true,
        0,
        kFastRig,
        kFastRigRates},
       {"balanced",
-       "the default: 7,000 steps; what does not move becomes static, and the model is pruned",
-       kBalanced, kBalancedStill, kPixelsPerGaussian, kRig, kRigRates, kSingleView, kNodes},
+       "the default: 7,000 steps, 6,000 of photos; what does not move becomes static, and the "
+       "model "
+       "is pruned",
+       kBalanced, kBalancedStill, true, kPixelsPerGaussian, kRig, kRigRates, kSingleView, kNodes},
       {"best",
        "highest quality: rigs 15,000 steps; one camera MCMC densification with 200,000 Gaussians; "
-       "one timestep 30,000 steps and a million Gaussians",
+       "one timestep 16,000 steps and up to 800,000 Gaussians",
        joined(joined(kBalanced, kMcmc),
               {{"peak_gaussians", 200000}, {"mcmc_noise", 5e4}, {"thin_until", 28000}}),
-       joined(kBalancedStill, {{"iterations", 30000},
-                               {"peak_gaussians", 1000000},
-                               {"mcmc_noise", 5e5},
-                               {"size", "grown"}}),
-       kPixelsPerGaussian, kBestRig, kRigRates, kSingleView, kBestNodes},
+       kBestStill, true, kPixelsPerGaussian, kBestRig, kRigRates, kSingleView, kBestNodes},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
        {{"opacity_reset_interval", 3000}, {"idle_updates", "skip"}}},
@@ -158,8 +191,10 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, 
     names.push_back(named.name);
     if (name != named.name) continue;
     for (const auto& [key, value] : named.overrides) set_option(options, key, value);
-    if (facts.still)
+    if (facts.still) {
       for (const auto& [key, value] : named.still_overrides) set_option(options, key, value);
+      if (named.fits_to_views && facts.views > 0) fit_to_views(options, facts.views);
+    }
     if (facts.rig()) {
       for (const auto& [key, value] : named.rig_overrides) set_option(options, key, value);
       apply_rates(options, named.rig_rates, facts);
@@ -179,6 +214,7 @@ SceneFacts facts_of(const Scene& scene) {
   facts.still = scene.is_static;
   const CameraRig rig = make_camera_rig(scene.training_cameras());
   facts.extent = rig.extent;
+  facts.views = int64_t(rig.cameras.size());
   for (const Camera& camera : rig.cameras)
     facts.camera_pixels += int64_t(camera.width) * camera.height;
   std::map<std::string, int64_t> frames;  // by camera

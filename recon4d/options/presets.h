@@ -23,6 +23,7 @@ inline OptionOverrides joined(OptionOverrides first, const OptionOverrides& seco
 struct SceneFacts {
   bool still = false;         // one timestep
   int64_t camera_pixels = 0;  // of the distinct training cameras together; 0: not known
+  int64_t views = 0;          // distinct training cameras; 0: not known
   int64_t cameras = 0;        // that film at once: with half as many training frames as the longest
   int64_t timesteps = 0;      // training frames of the camera that has most
   double extent = 0;          // CameraRig::extent, world units
@@ -41,11 +42,18 @@ struct FrameRates {
   double mean_time_rate = 0;  // lr_mean_time, frames
 };
 
+/// Photos that are fewer than kManyViews are soon fitted beyond what they show.
+inline constexpr int64_t kManyViews = 90, kStepsPerView = 300;
+
 /// A set of options under a name: a preset on top of the defaults, an ablation on top of that.
 struct NamedOptions {
   std::string name, doc;
   OptionOverrides overrides;
   OptionOverrides still_overrides = {};  // over those, where the scene has one timestep
+  /// Of a scene of one timestep: whether less than kManyViews lower gaussians_per_pixel and
+  /// lr_sh_rest and raise opacity_weight and scale_weight in proportion, and iterations are at most
+  /// kStepsPerView for each view.
+  bool fits_to_views = false;
   /// Lowers peak_gaussians where cameras have fewer pixels than so many for each; 0: never.
   int64_t pixels_per_gaussian = 0;
   OptionOverrides rig_overrides = {};          // over the overrides, where SceneFacts::rig()

@@ -143,6 +143,12 @@ std::string presets_page() {
       text += "\nFor a scene with one timestep:\n\n";
       list(preset.still_overrides);
     }
+    if (preset.fits_to_views)
+      text += fmt::format(
+          "\nAnd at most {} steps for each training image; with less than {} of them "
+          "`--gaussians-per-pixel` and `--lr-sh-rest` are lower and `--opacity-weight` and "
+          "`--scale-weight` higher in proportion.\n",
+          kStepsPerView, kManyViews);
     if (!preset.rig_overrides.empty() || preset.rig_rates.extent_frames > 0) {
       text += "\nFor a rig:\n\n";
       list(preset.rig_overrides);

@@ -163,7 +163,7 @@ TEST(TrainOptions, PresetsApplyAndAreValid) {
   for (const Preset& preset : presets())
     for (const bool still : {false, true}) {
       TrainOptions options;
-      apply_preset(options, preset.name, {still, 0});
+      apply_preset(options, preset.name, {.still = still});
       EXPECT_NO_THROW(validate(options)) << preset.name;
       json expected = to_json(TrainOptions{});
       for (const auto& [key, value] : preset.overrides) expected[key] = to_json(value);
@@ -181,7 +181,7 @@ TEST(TrainOptions, PresetsApplyAndAreValid) {
 TEST(TrainOptions, FewPixelsLowerTheLimitOfAPreset) {
   const auto limit = [](const char* preset, int64_t pixels) {
     TrainOptions options;
-    apply_preset(options, preset, {false, pixels});
+    apply_preset(options, preset, {.camera_pixels = pixels});
     EXPECT_EQ(options.max_gaussians, 0) << "no preset of these says how many may be shipped";
     return options.peak_gaussians;
   };

@@ -16,7 +16,7 @@ namespace {
 /// Of the row, as a plan sets them; the count of a row with count_of is any.
 TrainOptions options_of(const BenchRow& row, bool still) {
   TrainOptions options;
-  apply_preset(options, row_preset(row, still), {still, 0});
+  apply_preset(options, row_preset(row, still), {.still = still});
   if (!row.ablation.empty()) apply_ablation(options, row.ablation);
   for (const auto& [key, value] : row.overrides) set_option(options, key, value);
   if (!row.count_of.empty()) set_option(options, "max_gaussians", 1000);

@@ -48,7 +48,8 @@ TEST_F(CliMotion, AStopBeforeTheChoiceLosesNothing) {
   stop_in_trial("first", training("run", "4000", {"--preset", "best"}));
   stop_in_trial("second", {"train", work.at("film"), "-o", work.at("run"), "--resume"});
   const json config = json::parse(read_text_file(work / "run/config.json"));
-  EXPECT_EQ(config["with_nodes"]["densification"], "adc") << "the first command's, after a resume";
+  EXPECT_EQ(config["with_nodes"]["densification"], "budget")
+      << "the first command's, after a resume";
 
   const ChildResult resumed =
       work.run({"train", work.at("film"), "-o", work.at("run"), "--resume", "--stop-after", "2"});
@@ -57,7 +58,7 @@ TEST_F(CliMotion, AStopBeforeTheChoiceLosesNothing) {
   const json options = options_of("run");
   const bool nodes = resumed.err.find("nodes carry the scene") != std::string::npos;
   EXPECT_EQ(options["motion"], nodes ? "nodes" : "pair");
-  EXPECT_EQ(options["densification"], nodes ? "adc" : "mcmc") << "best's own for each";
+  EXPECT_EQ(options["densification"], nodes ? "budget" : "mcmc") << "best's own for each";
   EXPECT_EQ(options["peak_gaussians"], 80) << "what was typed goes over the preset";
 }
 
