@@ -12,6 +12,7 @@
 #include "kernels/math/colour_map.h"
 #include "kernels/math/contribution.h"
 #include "kernels/math/filter_3d.h"
+#include "kernels/math/residual_vote.h"
 #include "kernels/motion_nodes.h"
 #include "kernels/stage_clock.h"
 
@@ -74,6 +75,23 @@ struct SensitivityArgs {
   BlendBackwardArgs<Real> pass;           // d_colour: the image x
   std::vector<Span<const uint8_t>> mask;  // of what x is the residual: as PhotometricArgs::mask
   std::vector<Vec3<double>> response;     // [B] RGB of each view (channel_response); empty: 1
+};
+
+/// The residual of a batch, of which pixels that move may be missed.
+template <class Real>
+struct MissedArgs {
+  const ViewBatch<Real>* batch = nullptr;
+  Span<const Real> residual;  // [3·pixels], laid out as Images::colour
+  /// [B] as PhotometricArgs::mask, but only kMovingPixel counts.
+  std::vector<Span<const uint8_t>> mask;
+};
+
+/// Views of one timestep, and the places that they may agree on.
+template <class Real>
+struct VoteArgs {
+  const ViewBatch<Real>* batch = nullptr;
+  Span<const uint8_t> missed;  // [pixels]
+  VoteGrid<Real> grid;
 };
 
 /// Splats of a forward pass and their sums, to be added to those of their Gaussians.
@@ -139,6 +157,18 @@ void check_target(const SensitivityArgs<Real>& args) {
 template <class Real>
 void check_target(const ColourMapArgs<Real>& args) {
   check(args.maps.size() == args.batch->views.size(), "one map of colours per view");
+}
+
+template <class Real>
+void check_missed(const MissedArgs<Real>& args, const Span<uint8_t>& missed) {
+  check_target(args.batch->views.size(), args.mask);
+  check(args.residual.size == 3 * args.batch->pixels, "missed_pixels: size of the images");
+  check(missed.size == args.batch->pixels, "missed_pixels: one level a pixel");
+}
+template <class Real>
+void check_votes(const VoteArgs<Real>& args, const Span<Real>& votes) {
+  check(args.missed.size == args.batch->pixels, "residual_votes: one level a pixel");
+  check(votes.size == args.grid.places(), "residual_votes: one vote a place");
 }
 
 /// The views that may see a set, and what the size of the 3D filter follows from.
@@ -220,6 +250,11 @@ class BackendOf {
   /// each pixel grew, in the first channel of `residual`; zeros in the others.
   virtual void added_squares(const ViewBatch<Real>& batch, Span<const Real> before,
                              Span<Real> residual) = 0;
+  /// How much each pixel is missed (missed_level); 0 where it does not move. Equal inputs give
+  /// equal bits on all backends.
+  virtual void missed_pixels(const MissedArgs<Real>& args, Span<uint8_t> missed) = 0;
+  /// How much the views that see a place miss it, where enough of them do (residual_vote).
+  virtual void residual_votes(const VoteArgs<Real>& args, Span<Real> votes) = 0;
   /// Equal inputs give equal bits. Waits.
   virtual double sum_of_squares(Span<const Real> values) = 0;
   /// Splat gradients → parameter gradients, summed over views, into the sinks; of a canonical set

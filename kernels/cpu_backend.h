@@ -31,6 +31,8 @@ class CpuBackend final : public BackendOf<Real> {
   void demote(const DemoteArgs<Real>& args) override;
   void added_squares(const ViewBatch<Real>& batch, Span<const Real> before,
                      Span<Real> residual) override;
+  void missed_pixels(const MissedArgs<Real>& args, Span<uint8_t> missed) override;
+  void residual_votes(const VoteArgs<Real>& args, Span<Real> votes) override;
   double sum_of_squares(Span<const Real> values) override;
   void project_backward(const ProjectBackwardArgs<Real>& args) override;
   void carry_backward(const CarryBackwardArgs<Real>& args) override;

@@ -40,6 +40,10 @@ struct DeviceTarget {
   TESSERA_HD bool counts(int64_t view, int64_t pixel) const {
     return mask == nullptr || mask[view] == nullptr || mask[view][pixel] != 0;
   }
+  /// Without a mask every pixel may.
+  TESSERA_HD bool moves(int64_t view, int64_t pixel) const {
+    return mask == nullptr || mask[view] == nullptr || mask[view][pixel] == kMovingPixel;
+  }
   TESSERA_HD float response_of(int64_t view, int channel) const {
     return response == nullptr ? 1.0f : response[3 * view + channel];
   }
@@ -77,6 +81,8 @@ class CudaBackend final : public Backend {
   void demote(const DemoteArgs<float>& args) override;
   void added_squares(const ViewBatch<float>& batch, Span<const float> before,
                      Span<float> residual) override;
+  void missed_pixels(const MissedArgs<float>& args, Span<uint8_t> missed) override;
+  void residual_votes(const VoteArgs<float>& args, Span<float> votes) override;
   double sum_of_squares(Span<const float> values) override;
   void project_backward(const ProjectBackwardArgs<float>& args) override;
   StepOutcome outcome() override;

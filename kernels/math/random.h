@@ -16,6 +16,7 @@ enum class RandomStream : uint32_t {
   kRelocation = 4,
   kPositionNoise = 5,
   kGrowth = 6,
+  kSpawn = 7,
   kValidationSplit = 9
 };
 

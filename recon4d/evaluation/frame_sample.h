@@ -26,6 +26,9 @@ struct FrameSample {
   KernelSwitches kernels;               // how they are drawn and looked at
   /// [frames] images and masks where the backend reads them; empty: those of the scene are copied.
   std::vector<Span<const uint8_t>> images, masks;
+  /// [frames] masks with kMovingPixel, on the host; an empty one: of this frame it is not known
+  /// what moves. Empty: of none.
+  std::vector<Span<const uint8_t>> moving;
 
   int64_t count() const { return int64_t(frames.size()); }
   const Frame& frame(int64_t i) const { return scene->frames[size_t(frames[size_t(i)])]; }

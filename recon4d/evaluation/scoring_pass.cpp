@@ -3,6 +3,7 @@
 #include "recon4d/evaluation/scoring_pass.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "recon4d/evaluation/render.h"
@@ -11,11 +12,10 @@ namespace tessera {
 namespace {
 
 /// What the host has where the backend can read it.
-Span<const uint8_t> bring(const std::vector<uint8_t>& from, Buffer<uint8_t>& to) {
-  const Span<const uint8_t> host{from.data(), int64_t(from.size())};
-  if (&to.memory() == &host_memory() || from.empty()) return host;
+Span<const uint8_t> bring(const Span<const uint8_t>& host, Buffer<uint8_t>& to) {
+  if (&to.memory() == &host_memory() || host.empty()) return host;
   to.resize(host.size);
-  to.memory().copy(to.data(), host.data, from.size());
+  to.memory().copy(to.data(), host.data, size_t(host.size));
   return std::as_const(to).span();
 }
 
@@ -48,19 +48,31 @@ ScoringPass::ScoringPass(Backend& backend, const GaussianModel& model, bool sums
 }
 
 void ScoringPass::draw(const FrameSample& sample, int64_t begin, int64_t end) {
+  std::vector<int64_t> frames(size_t(end - begin));
+  std::iota(frames.begin(), frames.end(), begin);
+  draw(sample, frames);
+}
+
+void ScoringPass::draw(const FrameSample& sample, const std::vector<int64_t>& frames) {
   views_.clear();
   target_ = {};
   kernels_ = sample.kernels;
-  while (int64_t(truth_.size()) < end - begin) {
+  while (truth_.size() < frames.size()) {
     truth_.emplace_back(backend_.memory());
     mask_.emplace_back(backend_.memory());
   }
-  for (int64_t i = begin; i < end; ++i) {
+  for (const int64_t i : frames) {
     const Frame& frame = sample.frame(i);
+    const size_t b = views_.size();
     views_.push_back({frame.camera, frame.time, int32_t(frame.timestep)});
     if (sample.images.empty()) {
-      target_.truth.push_back(bring(frame.image.data, truth_[size_t(i - begin)]));
-      target_.mask.push_back(bring(frame.mask.data(), mask_[size_t(i - begin)]));
+      const std::vector<uint8_t>& used = frame.mask.data();
+      const Span<const uint8_t> mask = sample.moving.empty() || sample.moving[size_t(i)].empty()
+                                           ? Span<const uint8_t>{used.data(), int64_t(used.size())}
+                                           : sample.moving[size_t(i)];
+      target_.truth.push_back(
+          bring({frame.image.data.data(), int64_t(frame.image.data.size())}, truth_[b]));
+      target_.mask.push_back(bring(mask, mask_[b]));
     } else {
       target_.truth.push_back(sample.images[size_t(i)]);
       target_.mask.push_back(sample.masks[size_t(i)]);
@@ -95,6 +107,12 @@ void ScoringPass::draw_batch() {
 double ScoringPass::squared_error() {
   const StageTimer timer(backend_.clock(), kPhotometric);
   return backend_.sum_of_squares(std::as_const(pipeline_.d_colour()).span());
+}
+
+void ScoringPass::missed_pixels(Span<uint8_t> missed) {
+  const StageTimer timer(backend_.clock(), kPhotometric);
+  backend_.missed_pixels(
+      {&pipeline_.batch(), std::as_const(pipeline_.d_colour()).span(), target_.mask}, missed);
 }
 
 void ScoringPass::compare(ScoringPass& before) {

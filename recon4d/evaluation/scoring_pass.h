@@ -29,10 +29,14 @@ class ScoringPass {
   /// Draws frames [begin, end) of `sample` as one batch; all calls below are of this batch. The
   /// residual is map(image) − truth, 0 where a mask ignores the pixel.
   void draw(const FrameSample& sample, int64_t begin, int64_t end);
+  /// Draws these frames of `sample` as one batch.
+  void draw(const FrameSample& sample, const std::vector<int64_t>& frames);
   /// Draws the batch that `other` has drawn.
   void draw_frames_of(const ScoringPass& other);
   /// Of the residual, over pixels and channels.
   double squared_error();
+  /// How much each pixel of the batch is missed, where it moves; [pixels], where the backend works.
+  void missed_pixels(Span<uint8_t> missed);
   /// The residual becomes what each pixel's squared error has more than in `before`, which has
   /// drawn the same frames; in the first channel, zeros in the others.
   void compare(ScoringPass& before);

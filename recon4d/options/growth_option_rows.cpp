@@ -202,6 +202,15 @@ std::vector<TrainOption> growth_option_rows() {
               "promote static ones where the error changes over time",
        .source = "ours",
        .group = group::kSize},
+      {.key = "spawn_missed",
+       .member = &TrainOptions::spawn_missed,
+       .low = 0,
+       .high = 1,
+       .doc =
+           "At the first decision about motion, add dynamic Gaussians where several cameras of a "
+           "rig miss what moves",
+       .source = "ours",
+       .group = group::kSize},
       {.key = "decide_colour",
        .member = &TrainOptions::decide_colour,
        .low = 0,

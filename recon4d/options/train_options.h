@@ -80,7 +80,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   double gaussians_per_pixel = 0;
   double within_db = 0;
   int64_t thin_rounds = 4, thin_until = 25000;
-  bool decide_motion = false, decide_colour = false;
+  bool decide_motion = false, decide_colour = false, spawn_missed = false;
   int64_t decide_interval = 3000;
   // how kernels work (KernelSwitches); none changes what is drawn
   bool rectangular_bounds = true, opacity_bounds = true;

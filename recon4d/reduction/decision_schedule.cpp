@@ -23,7 +23,7 @@ bool decides_motion(const TrainOptions& options) {
 }  // namespace
 
 DecisionSchedule::DecisionSchedule(const TrainOptions& options)
-    : decides_motion_(decides_motion(options)) {
+    : decides_motion_(decides_motion(options)), spawn_missed_(options.spawn_missed) {
   const int64_t grown = scaled_steps(options, options.densify_until) + 1;
   const int64_t last = std::max(grown, scaled_steps(options, options.thin_until));
   if (prunes_after_growth(options))
@@ -53,6 +53,7 @@ DueDecision DecisionSchedule::due(int64_t iteration, int64_t decided) const {
   due.rounds_left = rounds_left(iteration);
   due.prune = due.rounds_left > 0;
   due.motion = contains(motion_, iteration) || (decides_motion_ && due.prune);
+  due.spawn_missed = spawn_missed_ && due.motion && decided == 0;
   due.promote = due.motion && due.rounds_left != 1 && decided > 0;
   return due;
 }

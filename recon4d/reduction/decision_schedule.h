@@ -19,6 +19,7 @@ struct DueDecision {
   /// not promote, because the gains of the images and the places of the Gaussians are not known
   /// yet. The last round does not, because nothing is trained long enough after it.
   bool promote = false;
+  bool spawn_missed = false;  // at the first decision
 
   bool any() const { return motion || prune; }
 };
@@ -40,7 +41,8 @@ class DecisionSchedule {
  private:
   int64_t rounds_left(int64_t iteration) const;
 
-  bool decides_motion_;                   // between static and dynamic, also at rounds
+  bool decides_motion_;  // between static and dynamic, also at rounds
+  bool spawn_missed_;
   std::vector<int64_t> rounds_, motion_;  // steps, ascending
 };
 

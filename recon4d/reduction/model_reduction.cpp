@@ -12,6 +12,7 @@
 #include "recon4d/model/element_edits.h"
 #include "recon4d/reduction/dynamic_promotion.h"
 #include "recon4d/reduction/motion_choice.h"
+#include "recon4d/reduction/spawn_missed.h"
 #include "recon4d/reduction/static_demotion.h"
 
 namespace tessera {
@@ -126,9 +127,15 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   if (due.motion && has_timesteps(sample)) {
     contributions = measure(knee_prices(trainer.drawn_model()));
     report_pass(*contributions, sample, report);
-    const MotionDecision decision =
+    MotionDecision decision =
         decide_motion(backend_, trainer.drawn_model(), *contributions, sample, due.promote);
     report_motion(decision, report);
+    if (due.spawn_missed) {
+      GaussianSet spawned =
+          spawn_missed(backend_, trainer.drawn_model(), sample, uint64_t(options_.seed));
+      report.spawned_missed = spawned.count();
+      if (spawned.count() > 0) decision.edit.added[1].push_back(std::move(spawned));
+    }
     if (!decision.edit.empty()) {
       trainer.apply(decision.edit);
       contributions.reset();
@@ -179,6 +186,7 @@ nlohmann::json to_json(const ReductionReport& report) {
           {"demoted", report.demoted},
           {"promoted", report.promoted},
           {"spawned", report.spawned},
+          {"spawned_missed", report.spawned_missed},
           {"price", report.error_per_byte},
           {"still_error", report.demotion_error},
           {"psnr", report.psnr},

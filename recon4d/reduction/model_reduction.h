@@ -18,7 +18,7 @@ struct ReductionReport {
   int64_t iteration = 0, sampled_frames = 0;  // frames that its first pass drew
   int64_t static_before = 0, dynamic_before = 0, static_after = 0, dynamic_after = 0;
   int64_t knee = 0, goal = 0;  // Gaussians; goal 0: none at this step
-  int64_t removed = 0, demoted = 0, promoted = 0, spawned = 0;
+  int64_t removed = 0, demoted = 0, promoted = 0, spawned = 0, spawned_missed = 0;
   double error_per_byte = 0;  // squared error per byte, the slope of the rate–distortion curve
   double demotion_error = 0;  // squared error that the demoted ones add
   double psnr = 0;            // dB, of the drawn frames before pruning,

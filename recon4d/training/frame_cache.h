@@ -35,6 +35,14 @@ class FrameCache {
   /// Of training frames `indices`, for what is computed next.
   TargetImages truth(const std::vector<int64_t>& indices);
 
+  /// Of a training frame, on the host.
+  Span<const uint8_t> mask_on_host(int64_t index) const {
+    const std::vector<uint8_t>& mask = this->mask(index).data();
+    return {mask.data(), int64_t(mask.size())};
+  }
+  /// Whether masks say what moves.
+  bool knows_motion() const { return !masks_.empty(); }
+
   /// Whether every frame lies on a device for as long as the cache does.
   bool is_resident() const { return kept_ == Kept::kResident; }
   /// The number of batches that `prefetch` takes.

@@ -14,8 +14,8 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/math/environment.h"
-#include "kernels/math/pair_at_velocity.h"
 #include "kernels/math/random.h"
+#include "recon4d/model/new_gaussian.h"
 #include "recon4d/options/train_options.h"
 #include "recon4d/training/nearest_points.h"
 
@@ -116,37 +116,21 @@ void thin_out(std::vector<InitialPoint>& points, int64_t limit, std::string& sou
 void place(const InitialPoint& point, float squared_distance, const TrainOptions& options,
            GaussianSet& set, int64_t n) {
   constexpr float kMinSquaredDistance = 1e-7f;  // [3DGS]
-  const GaussianSpans<float> v = set.values();
-  const float log_scale = 0.5f * std::log(std::max(kMinSquaredDistance, squared_distance)) +
-                          float(std::log(options.init_scale_factor));
+  NewGaussian gaussian;
   for (int k = 0; k < 3; ++k) {
-    v.at(kMean, n)[k] = point.position[k];
-    v.at(kLogScale, n)[k] = log_scale;
-    v.at(kSh, n)[k] = (float(point.colour[size_t(k)]) / 255.0f - 0.5f) / float(kSh0);
+    gaussian.position[k] = point.position[k];
+    gaussian.colour[k] = float(point.colour[size_t(k)]) / 255.0f;
+    gaussian.velocity[k] = point.velocity[k];
   }
-  std::fill_n(v.at(kSh, n) + 3, set.width(kSh) - 3, 0.0f);
-  const float identity[4] = {1, 0, 0, 0};
-  std::copy_n(identity, 4, v.at(kRotation, n));
-  *v.at(kOpacityLogit, n) = logit(options.init_opacity);
-  if (set.dim() != 4) return;
-  std::fill_n(v.at(kShTime, n), set.width(kShTime), 0.0f);
-  *v.at(kLogScaleTime, n) = float(std::log(options.init_time_scale));
-  if (set.form() == SetForm::kVelocity) {
-    std::copy_n(&point.velocity[0], 3, v.at(kVelocity, n));
-  } else {
-    const MovingPair pair = pair_at_velocity(std::exp(double(log_scale)), options.init_time_scale,
-                                             Vec3<double>(point.velocity));
-    for (int k = 0; k < 3; ++k) v.at(kLogScale, n)[k] = float(pair.log_scale[k]);
-    *v.at(kLogScaleTime, n) = float(pair.log_scale_time);
-    for (int k = 0; k < 4; ++k) {
-      v.at(kRotation, n)[k] = float(pair.left[k]);
-      v.at(kRotationRight, n)[k] = float(pair.right[k]);
-    }
-  }
+  gaussian.log_scale = 0.5f * std::log(std::max(kMinSquaredDistance, squared_distance)) +
+                       float(std::log(options.init_scale_factor));
+  gaussian.opacity = options.init_opacity;
+  gaussian.time_scale = options.init_time_scale;
   // when it was seen, else uniform over the clip and a tenth beyond either end  [method D.4]
   const RandomBlock random =
       philox(uint64_t(options.seed), RandomStream::kInitialise, uint64_t(n), 1);
-  *v.at(kMeanTime, n) = point.time.value_or(1.2f * uniform(random.word[0]) - 0.1f);
+  gaussian.mean_time = point.time.value_or(1.2f * uniform(random.word[0]) - 0.1f);
+  write_gaussian(gaussian, set, n);
 }
 
 /// Share of the points of which nothing is known that start static: that of still ones among those

@@ -67,6 +67,12 @@ class FaultyBackend final : public Backend {
                      Span<float> residual) override {
     cpu_->added_squares(batch, before, residual);
   }
+  void missed_pixels(const MissedArgs<float>& args, Span<uint8_t> missed) override {
+    cpu_->missed_pixels(args, missed);
+  }
+  void residual_votes(const VoteArgs<float>& args, Span<float> votes) override {
+    cpu_->residual_votes(args, votes);
+  }
   double sum_of_squares(Span<const float> values) override { return cpu_->sum_of_squares(values); }
   void blend_backward(const BlendBackwardArgs<float>& args,
                       Span<SplatMoments<float>> d_splats) override {

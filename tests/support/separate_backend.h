@@ -192,6 +192,17 @@ class SeparateBackend final : public Backend {
     check_lies_here(residual);
     separate_memory.inside([&] { cpu_->added_squares(batch, before, residual); });
   }
+  void missed_pixels(const MissedArgs<float>& args, Span<uint8_t> missed) override {
+    check_lies_here(args.residual);
+    for (const Span<const uint8_t>& mask : args.mask) check_lies_here(mask);
+    check_lies_here(missed);
+    separate_memory.inside([&] { cpu_->missed_pixels(args, missed); });
+  }
+  void residual_votes(const VoteArgs<float>& args, Span<float> votes) override {
+    check_lies_here(args.missed);
+    check_lies_here(votes);
+    separate_memory.inside([&] { cpu_->residual_votes(args, votes); });
+  }
   double sum_of_squares(Span<const float> values) override {
     calls.push_back("sum_of_squares");
     check_lies_here(values);

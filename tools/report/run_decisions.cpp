@@ -67,7 +67,7 @@ std::string degrees_text(const json& event) {
 
 std::string reduction_text(const json& event) {
   const int64_t demoted = count_at(event, "demoted"), promoted = count_at(event, "promoted"),
-                spawned = count_at(event, "spawned");
+                spawned = count_at(event, "spawned"), missed = count_at(event, "spawned_missed");
   std::string text;
   const auto add = [&](const std::string& sentence) {
     if (!text.empty()) text += ' ';
@@ -82,6 +82,8 @@ std::string reduction_text(const json& event) {
   if (spawned > 0)
     add(gaussians_were(spawned, "dynamic ") +
         " added where static ones leave an error that changes with time.");
+  if (missed > 0)
+    add(gaussians_were(missed, "dynamic ") + " added where several cameras missed what moves.");
   if (count_at(event, "removed") > 0) add(pruning_text(event));
   if (text.empty()) text = "The model was measured, and nothing was changed.";
   text += degrees_text(event);

@@ -161,6 +161,7 @@ const std::vector<Alternative>& of_reduction() {
       {"thin_rounds", 2},
       {"thin_until", 36},
       {"decide_motion", true},
+      {"spawn_missed", true, {{"decide_motion", true}, {"moving_weight", 4}}},
       {"decide_colour", true},
       {"decide_interval", 4, {{"decide_motion", true}}},
   };

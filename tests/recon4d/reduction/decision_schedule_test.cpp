@@ -97,5 +97,15 @@ TEST(DecisionSchedule, WhatIsDueAtAStep) {
   EXPECT_TRUE(DecisionSchedule(options).due(101, 0).prune);
 }
 
+// Bug put back: at every decision; seen to fail.
+TEST(DecisionSchedule, MissedOnesAreSpawnedAtTheFirst) {
+  TrainOptions options = four_rounds();
+  EXPECT_FALSE(DecisionSchedule(options).due(30, 0).spawn_missed);
+  options.spawn_missed = true;
+  EXPECT_FALSE(DecisionSchedule(options).due(29, 0).spawn_missed);
+  EXPECT_TRUE(DecisionSchedule(options).due(30, 0).spawn_missed);
+  EXPECT_FALSE(DecisionSchedule(options).due(60, 30).spawn_missed);
+}
+
 }  // namespace
 }  // namespace tessera::testing

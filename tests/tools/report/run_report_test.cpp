@@ -104,6 +104,7 @@ TEST(RunReport, DecisionsAreSentencesWithNumbersAndReasons) {
                    {"demoted", 9107},
                    {"promoted", 1},
                    {"spawned", 0},
+                   {"spawned_missed", 4200},
                    {"removed", 1200},
                    {"goal", 0},
                    {"knee", 700},
@@ -117,11 +118,12 @@ TEST(RunReport, DecisionsAreSentencesWithNumbersAndReasons) {
                    {"degrees", {0, 0, 0, 0}}};
   records.log += lines({decision});
   const std::string text = text_of(run_report(records));
-  for (const char* part :
-       {"200: 9,107 dynamic Gaussians were demoted to static, because",
-        "1 static Gaussian was promoted", "1,200 Gaussians were pruned, each of which lowered",
-        "less than 0.02 for every byte", "28.10 dB before, 28.02 dB after",
-        "had 8,289 static and 10,611 dynamic", "has 16,000 and 1,504"})
+  for (const char* part : {"200: 9,107 dynamic Gaussians were demoted to static, because",
+                           "1 static Gaussian was promoted",
+                           "4,200 dynamic Gaussians were added where several cameras",
+                           "1,200 Gaussians were pruned, each of which lowered",
+                           "less than 0.02 for every byte", "28.10 dB before, 28.02 dB after",
+                           "had 8,289 static and 10,611 dynamic", "has 16,000 and 1,504"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   EXPECT_EQ(text.find("spawned"), std::string::npos);
 
@@ -129,7 +131,7 @@ TEST(RunReport, DecisionsAreSentencesWithNumbersAndReasons) {
   records.log += lines({decision});
   const std::string limited = text_of(run_report(records));
   EXPECT_NE(limited.find("the size limit of 40,000 Gaussians"), std::string::npos) << limited;
-  for (const char* none : {"demoted", "promoted", "removed"}) decision[none] = 0;
+  for (const char* none : {"demoted", "promoted", "removed", "spawned_missed"}) decision[none] = 0;
   records.log = lines({decision});
   EXPECT_NE(text_of(run_report(records)).find("nothing was changed"), std::string::npos);
 }
