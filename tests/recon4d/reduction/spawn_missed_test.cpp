@@ -13,13 +13,13 @@
 namespace tessera::testing {
 namespace {
 
-constexpr Plain kBall{{0.1, 0.3, -0.1}, {0.9, 0.5, 0.2}, 0.15, 0.95, 0.5, 20, 0.8};
+constexpr Plain kFlyingBall{{0.1, 0.3, -0.1}, {0.9, 0.5, 0.2}, 0.15, 0.95, 0.5, 20, 0.8};
 
 /// A static wall, two faint dynamic Gaussians that span a box, and the ball, as opaque as that.
 GaussianModel model_with_ball(SetForm form, double opacity) {
   GaussianModel model = empty_model(form);
   model.static_set = plain_set(model.static_set, {{{0, -0.9, 0}, {0.3, 0.6, 0.4}, 0.5}});
-  Plain ball = kBall;
+  Plain ball = kFlyingBall;
   ball.opacity = opacity;
   const Plain low{{-1, -1, -1}, {0, 0, 0}, 0.01, 0.001}, high{{1, 1, 1}, {0, 0, 0}, 0.01, 0.001};
   model.dynamic_set = plain_set(model.dynamic_set, {low, high, ball});
@@ -27,12 +27,12 @@ GaussianModel model_with_ball(SetForm form, double opacity) {
 }
 
 /// All training frames of a scene with what moves in them.
-struct Sampled {
+struct BallSample {
   Scene scene;
   FrameSample sample;
   FrameMasks masks;
 
-  explicit Sampled(const TinyCapture& capture, const GaussianModel& truth)
+  explicit BallSample(const TinyCapture& capture, const GaussianModel& truth)
       : scene(tiny_capture(capture, truth)), sample(sample_training_frames(scene)) {
     masks = moving_masks(scene, sample.frames);
     for (const FrameMask& mask : masks)
@@ -40,14 +40,14 @@ struct Sampled {
   }
 };
 
-constexpr int kTimesteps = 5;
-const TinyCapture kRing{.cameras = 7, .timesteps = kTimesteps, .size = 48};
+constexpr int kBallTimesteps = 5;
+const TinyCapture kBallRing{.cameras = 7, .timesteps = kBallTimesteps, .size = 48};
 
 // Bugs put back: the timestep before; places by their rank; frames of which no mask says anything
 // looked at; the levels of all batches in one place. Each seen to fail.
 TEST(SpawnMissed, StandWhereTheBallIsMissed) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  const Sampled in(kRing, model_with_ball(SetForm::kVelocity, 0.95));
+  const BallSample in(kBallRing, model_with_ball(SetForm::kVelocity, 0.95));
   const GaussianModel model = model_with_ball(SetForm::kVelocity, 0.001);
   const GaussianSet spawned = spawn_missed(*backend, model, in.sample, 1);
   ASSERT_EQ(spawned.form(), SetForm::kVelocity);
@@ -56,14 +56,15 @@ TEST(SpawnMissed, StandWhereTheBallIsMissed) {
   for (int64_t n = 0; n < spawned.count(); ++n) {
     const double time = *v.at(kMeanTime, n);
     times.insert(float(time));
-    const double at[3] = {kBall.mean[0] + kBall.speed * (time - 0.5), kBall.mean[1], kBall.mean[2]};
+    const double at[3] = {kFlyingBall.mean[0] + kFlyingBall.speed * (time - 0.5),
+                          kFlyingBall.mean[1], kFlyingBall.mean[2]};
     double away = 0;
     for (int k = 0; k < 3; ++k) away += std::pow(v.at(kMean, n)[k] - at[k], 2);
     EXPECT_LT(std::sqrt(away), 0.35) << n << " at " << time;
-    EXPECT_NEAR(*v.at(kLogScaleTime, n), std::log(0.7 / (kTimesteps - 1)), 1e-6);
+    EXPECT_NEAR(*v.at(kLogScaleTime, n), std::log(0.7 / (kBallTimesteps - 1)), 1e-6);
     for (int k = 0; k < 3; ++k) EXPECT_EQ(v.at(kVelocity, n)[k], 0);
   }
-  EXPECT_EQ(times.size(), size_t(kTimesteps));
+  EXPECT_EQ(times.size(), size_t(kBallTimesteps));
   double mean[3] = {0, 0, 0};
   for (int64_t n = 0; n < spawned.count(); ++n)
     for (int c = 0; c < 3; ++c)
@@ -72,11 +73,11 @@ TEST(SpawnMissed, StandWhereTheBallIsMissed) {
   EXPECT_GT(mean[1], mean[2]);
   EXPECT_GT(mean[0], 0.5);
 
-  Sampled blind = in;
+  BallSample blind = in;
   blind.sample.moving.assign(blind.sample.moving.size(), {});
   EXPECT_EQ(spawn_missed(*backend, model, blind.sample, 1).count(), 0);
-  const Sampled two({.cameras = 2, .timesteps = kTimesteps, .size = 48},
-                    model_with_ball(SetForm::kVelocity, 0.95));
+  const BallSample two({.cameras = 2, .timesteps = kBallTimesteps, .size = 48},
+                       model_with_ball(SetForm::kVelocity, 0.95));
   EXPECT_EQ(spawn_missed(*backend, model, two.sample, 1).count(), 0) << "two cameras";
 }
 
@@ -84,7 +85,7 @@ TEST(SpawnMissed, StandWhereTheBallIsMissed) {
 TEST(SpawnMissed, AreNoneWhereTheModelShowsWhatMoves) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   const GaussianModel truth = model_with_ball(SetForm::kVelocity, 0.95);
-  const Sampled in(kRing, truth);
+  const BallSample in(kBallRing, truth);
   EXPECT_EQ(spawn_missed(*backend, truth, in.sample, 1).count(), 0);
   GaussianModel still = model_with_ball(SetForm::kVelocity, 0.001);
   still.dynamic_set.resize(0);
@@ -94,7 +95,7 @@ TEST(SpawnMissed, AreNoneWhereTheModelShowsWhatMoves) {
 // With a backend whose memory the host cannot read. Bug put back: votes read where the backend has
 // them; seen to end the test.
 TEST(SpawnMissed, MendTheImages) {
-  const Sampled in(kRing, model_with_ball(SetForm::kVelocity, 0.95));
+  const BallSample in(kBallRing, model_with_ball(SetForm::kVelocity, 0.95));
   GaussianModel model = model_with_ball(SetForm::kPair, 0.001);
   SeparateBackend backend;
   const auto error_of = [&](const GaussianModel& drawn) {
