@@ -121,13 +121,13 @@ GaussianSet spawn_missed(Backend& backend, const GaussianModel& model, const Fra
                          uint64_t seed) {
   GaussianSet spawned = model.dynamic_set.like();
   const std::map<int64_t, std::vector<int64_t>> timesteps = frames_by_timestep(sample);
-  if (timesteps.empty() || model.dynamic_set.count() == 0 || model.dynamic_set.dim() != 4)
+  if (timesteps.size() < 2 || model.dynamic_set.count() == 0 || model.dynamic_set.dim() != 4)
     return spawned;
   const VoteGrid<float> grid = grid_around(model.dynamic_set);
   if (grid.places() == 0) return spawned;
   const auto time_of = [&](const auto& t) { return sample.frame(t.second.front()).time; };
   const double frame_time = (time_of(*timesteps.rbegin()) - time_of(*timesteps.begin())) /
-                            double(std::max<size_t>(1, timesteps.size() - 1));
+                            double(timesteps.rbegin()->first - timesteps.begin()->first);
   const int64_t most = std::max<int64_t>(1, kMostSpawned / int64_t(timesteps.size()));
   ScoringPass pass(backend, model, false);
   std::vector<NewGaussian> found;

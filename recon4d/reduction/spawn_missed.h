@@ -9,7 +9,7 @@
 namespace tessera {
 
 /// In the form and layout of the dynamic set of `model`, the drawn one, in the host's memory: none
-/// where it has no dynamic Gaussians or no three cameras with moving pixels share a timestep.
+/// where it has no dynamic Gaussians or no three cameras with moving pixels share two timesteps.
 /// `sample`: all training frames. `seed`: of the places inside their cubes.
 GaussianSet spawn_missed(Backend& backend, const GaussianModel& model, const FrameSample& sample,
                          uint64_t seed);

@@ -44,7 +44,8 @@ constexpr int kBallTimesteps = 5;
 const TinyCapture kBallRing{.cameras = 7, .timesteps = kBallTimesteps, .size = 48};
 
 // Bugs put back: the timestep before; places by their rank; frames of which no mask says anything
-// looked at; the levels of all batches in one place. Each seen to fail.
+// looked at; the levels of all batches in one place; a frame's time by the timesteps looked at; one
+// timestep enough. Each seen to fail.
 TEST(SpawnMissed, StandWhereTheBallIsMissed) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   const BallSample in(kBallRing, model_with_ball(SetForm::kVelocity, 0.95));
@@ -72,6 +73,18 @@ TEST(SpawnMissed, StandWhereTheBallIsMissed) {
   EXPECT_GT(mean[0], mean[1] + 0.1) << "orange, as the images show it";
   EXPECT_GT(mean[1], mean[2]);
   EXPECT_GT(mean[0], 0.5);
+
+  // frames of every second timestep: as long as a frame of the clip; of one: there is no length
+  const auto where = [&](auto&& looked_at) {
+    FrameSample some = in.sample;
+    for (int64_t i = 0; i < some.count(); ++i)
+      if (!looked_at(some.frame(i).timestep)) some.moving[size_t(i)] = {};
+    return spawn_missed(*backend, model, some, 1);
+  };
+  const GaussianSet rare = where([](int64_t timestep) { return timestep % 2 == 0; });
+  ASSERT_GT(rare.count(), 0);
+  EXPECT_NEAR(*rare.values().at(kLogScaleTime, 0), std::log(0.7 / (kBallTimesteps - 1)), 1e-6);
+  EXPECT_EQ(where([](int64_t timestep) { return timestep == 2; }).count(), 0);
 
   BallSample blind = in;
   blind.sample.moving.assign(blind.sample.moving.size(), {});
