@@ -32,12 +32,22 @@ constexpr int64_t kPixelsPerGaussian = 16;
 /// weights on opacities and scales keep the model from what only training views show
 /// (research/growth.md).
 const OptionOverrides kBudget = {{"densification", "budget"}, {"densify_threshold", 1e-4},
-                                 {"densify_until", 14900},    {"prune_extent", 0},
-                                 {"init_opacity", 0.1},       {"gaussians_per_pixel", 1.8},
+                                 {"prune_extent", 0},         {"gaussians_per_pixel", 1.8},
                                  {"opacity_weight", 0.003},   {"scale_weight", 0.003}};
+const OptionOverrides kFast = joined(kBudget, {{"iterations", 2000},
+                                               {"schedule_iterations", 30000},
+                                               {"init_points", 20000},
+                                               {"densify_interval", 50},
+                                               {"peak_gaussians", 40000},
+                                               {"thin_rounds", 3},
+                                               {"sweep", true},
+                                               {"split_by_motion", true},
+                                               {"filter_2d", true}});
+/// Twice the steps and small weights against haze.
+const OptionOverrides kBest =
+    joined(kBalanced, {{"iterations", 15000}, {"opacity_weight", 0.003}, {"scale_weight", 0.003}});
 /// Photos of a place, two a step: what is seen far behind it is part of it.
 const OptionOverrides kStill = joined(kBudget, {{"far_plane", 1e4},
-                                                {"filter_2d", false},
                                                 {"decide_colour", false},
                                                 {"batch", 2},
                                                 {"idle_updates", "skip"},
@@ -54,46 +64,29 @@ const OptionOverrides kFastStill =
     joined(kStill, {{"iterations", 2800}, {"densify_interval", 25}, {"peak_gaussians", 150000}});
 const OptionOverrides kBalancedStill =
     joined(kStill, {{"iterations", 6000}, {"densify_interval", 33}, {"peak_gaussians", 400000}});
-const OptionOverrides kBestStill = joined(kStill, {{"iterations", 16000},
-                                                   {"densify_interval", 50},
-                                                   {"peak_gaussians", 800000},
-                                                   {"thin_until", 25000}});
+const OptionOverrides kBestStill =
+    joined(kStill, {{"iterations", 16000}, {"densify_interval", 50}, {"peak_gaussians", 800000}});
 /// Several cameras that film at the same time: every timestep is seen from several sides, so
 /// dynamic Gaussians start a few frames long, and cameras may differ in colour. Gaussians between
 /// the cameras and the scene cover the views of others.
 const OptionOverrides kAnyRig = {{"exposure", "auto"}, {"near_plane", 0}, {"moving_weight", 4}};
 /// What no training view shows would be grown at the cost of what moves.
-const OptionOverrides kRig = joined(kAnyRig, {{"min_blending_weight", 0.05}});
+const OptionOverrides kRig =
+    joined(kAnyRig, {{"min_blending_weight", 0.05}, {"spawn_missed", true}});
 constexpr FrameRates kRigRates = {.extent_frames = 3, .mean_time_rate = 0.02};
 /// With few steps the velocities that the initial cloud has count for more than form.
 const OptionOverrides kFastRig = joined(kAnyRig, {{"motion", "velocity"}});
 constexpr FrameRates kFastRigRates = {
     .extent_frames = 3, .velocity_rate = 5.6e-5, .mean_time_rate = 0.05};
-/// MCMC densification blurs what moves on rigs; twice the steps and small weights against haze do
-/// not.
-const OptionOverrides kBestRig = joined(kRig, {{"iterations", 15000},
-                                               {"densification", "adc"},
-                                               {"densify_until", 14900},
-                                               {"thin_until", 25000},
-                                               {"init_opacity", 0.1},
-                                               {"opacity_weight", 0.003},
-                                               {"scale_weight", 0.003},
-                                               {"peak_gaussians", 400000}});
 /// With one view a timestep, frames that a short trial holds out decide whether nodes carry
 /// the scene (recon4d/training/motion_trial.h).
 const OptionOverrides kSingleView = {{"motion", "auto"}};
 const OptionOverrides kNodes = joined(
     kBudget, {{"min_blending_weight", 0.05}, {"densify_interval", 50}, {"peak_gaussians", 100000}});
 /// More views a step or steps gain nothing.
-const OptionOverrides kBestNodes =
-    joined(kNodes, {{"iterations", 14000}, {"batch", 2}, {"thin_until", 25000}});
-/// The chain's own settings  [3DGS-MCMC].
-const OptionOverrides kMcmc = {{"densification", "mcmc"},
-                               {"densify_until", 24900},
-                               {"opacity_weight", 0.01},
-                               {"scale_weight", 0.01},
-                               {"init_opacity", 0.5}};
-
+const OptionOverrides kBestSingleView = joined(
+    joined(kSingleView, kBudget),
+    {{"iterations", 14000}, {"batch", 2}, {"densify_interval", 50}, {"peak_gaussians", 200000}});
 /// Times are stored in clip lengths, from the first frame to the last.
 void apply_rates(TrainOptions& options, const FrameRates& rates, const SceneFacts& facts) {
   if (rates.extent_frames == 0) return;
@@ -129,32 +122,16 @@ void lower_limit(TrainOptions& options, int64_t gaussians) {
 
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> rows = {
-      {"fast",
-       "a first result: 2,000 steps, at most 40,000 Gaussians; photos 2,800 steps, 150,000",
-       {{"iterations", 2000},
-        {"schedule_iterations", 30000},
-        {"init_points", 20000},
-        {"peak_gaussians", 40000},
-        {"thin_rounds", 3},
-        {"prune_extent", 0},
-        {"sweep", true},
-        {"split_by_motion", true}},
-       kFastStill,
-       true,
-       0,
-       kFastRig,
-       kFastRigRates},
+      {"fast", "a first result: 2,000 steps, at most 40,000 Gaussians; photos 2,800 steps, 150,000",
+       kFast, kFastStill, true, 0, kFastRig, kFastRigRates},
       {"balanced",
        "the default: 7,000 steps, 6,000 of photos; what does not move becomes static, and the "
-       "model "
-       "is pruned",
+       "model is pruned",
        kBalanced, kBalancedStill, true, kPixelsPerGaussian, kRig, kRigRates, kSingleView, kNodes},
       {"best",
-       "highest quality: rigs 15,000 steps; one camera MCMC densification with 200,000 Gaussians; "
-       "one timestep 16,000 steps and up to 800,000 Gaussians",
-       joined(joined(kBalanced, kMcmc),
-              {{"peak_gaussians", 200000}, {"mcmc_noise", 5e4}, {"thin_until", 28000}}),
-       kBestStill, true, kPixelsPerGaussian, kBestRig, kRigRates, kSingleView, kBestNodes},
+       "highest quality: 15,000 steps, 14,000 of one camera, 16,000 of photos and up to 800,000 "
+       "Gaussians",
+       kBest, kBestStill, true, kPixelsPerGaussian, kRig, kRigRates, kBestSingleView, kNodes},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
        {{"opacity_reset_interval", 3000}, {"idle_updates", "skip"}}},
@@ -169,13 +146,19 @@ const std::vector<Preset>& presets() {
         {"lr_opacity", 0.025},
         {"opacity_reset_interval", 3000},
         {"far_plane", 1e4}}},
-      {"mcmc", "static 3DGS with MCMC densification up to max_gaussians, no opacity reset",
-       joined(kMcmc, {{"motion", "none"},
-                      {"batch", 1},
-                      {"far_plane", 1e4},
-                      {"lr_opacity", 0.05},
-                      {"max_gaussians", 1000000},
-                      {"init_scale_factor", 0.1}})},
+      {"mcmc",
+       "static 3DGS with MCMC densification up to max_gaussians, no opacity reset",
+       {{"motion", "none"},
+        {"densification", "mcmc"},
+        {"densify_until", 24900},
+        {"opacity_weight", 0.01},
+        {"scale_weight", 0.01},
+        {"init_opacity", 0.5},
+        {"batch", 1},
+        {"far_plane", 1e4},
+        {"lr_opacity", 0.05},
+        {"max_gaussians", 1000000},
+        {"init_scale_factor", 0.1}}},
   };
   return rows;
 }
