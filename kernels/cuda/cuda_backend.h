@@ -40,9 +40,12 @@ struct DeviceTarget {
   TESSERA_HD bool counts(int64_t view, int64_t pixel) const {
     return mask == nullptr || mask[view] == nullptr || mask[view][pixel] != 0;
   }
-  /// Without a mask every pixel may.
+  /// Without a mask every pixel does.
   TESSERA_HD bool moves(int64_t view, int64_t pixel) const {
     return mask == nullptr || mask[view] == nullptr || mask[view][pixel] == kMovingPixel;
+  }
+  TESSERA_HD bool may_move(int64_t view, int64_t pixel) const {
+    return mask == nullptr || mask[view] == nullptr || tessera::may_move(mask[view][pixel]);
   }
   TESSERA_HD float response_of(int64_t view, int channel) const {
     return response == nullptr ? 1.0f : response[3 * view + channel];

@@ -10,10 +10,10 @@ namespace tessera {
 /// Sums over the splats of a Gaussian; w = T·α, x: the image that is measured.
 template <class Real>
 struct ElementSums {
-  Real weight, removal1, removal2;  // as SplatSensitivity
-  Vec3<Real> image;                 // Σ w·x
-  Real time, opacity;               // Σ w·t, Σ w·o of the effective opacity
-  Real truncation[kMaxShDegree];    // [d] squared error added by the bands above degree d
+  Real weight, removal1, removal2, moving;  // as SplatSensitivity
+  Vec3<Real> image;                         // Σ w·x
+  Real time, opacity;                       // Σ w·t, Σ w·o of the effective opacity
+  Real truncation[kMaxShDegree];            // [d] squared error added by the bands above degree d
 };
 
 /// Where a splat stands in a scoring pass. A series is drawn in the order of its timesteps, all of

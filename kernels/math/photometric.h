@@ -68,8 +68,12 @@ struct LossWeights {
   double moving = 1;   // of |I − G| where the mask is kMovingPixel
 };
 
-/// Value of a mask where something moves: these pixels may weigh more than others.
-constexpr uint8_t kMovingPixel = 2;
+/// Values of a mask, of which 0 ignores a pixel. Where something moves, pixels may weigh more than
+/// others; kUnknownPixel, as any larger value: it counts, and nothing tells whether it moves.
+constexpr uint8_t kStillPixel = 1, kMovingPixel = 2, kUnknownPixel = 3;
+TESSERA_HD inline bool may_move(uint8_t mask) {
+  return mask >= kMovingPixel;
+}
 
 /// Loss of one view, un-divided by B.
 struct ViewLoss {

@@ -7,10 +7,11 @@
 namespace tessera {
 
 /// Sums over a splat's pixels p and channels c; w = T·α, x: the image that is measured, e:
-/// how it follows the colour (its gain; 0 where a mask ignores the pixel), ΔC: how the blended
-/// colour changes where the splat is not there. With x the residual, removal1 + removal2 is the
-/// change of Σ x² when that splat alone is taken out; exact but for pixels whose blending stopped
-/// at kMinTransmittance, where the background stands for what was never drawn.
+/// how it follows the colour (its gain; 0 where a mask ignores the pixel), m: whether the pixel may
+/// move (1 or 0), ΔC: how the blended colour changes where the splat is not there. With x the
+/// residual, removal1 + removal2 is the change of Σ x² when that splat alone is taken out; exact
+/// but for pixels whose blending stopped at kMinTransmittance, where the background stands for what
+/// was never drawn.
 template <class Real>
 struct SplatSensitivity {
   Real weight;       // Σ w
@@ -18,6 +19,7 @@ struct SplatSensitivity {
   Vec3<Real> image;  // Σ w·x_c
   Real removal1;     // Σ 2·x_c·e_c·ΔC_c
   Real removal2;     // Σ (e_c·ΔC_c)²
+  Real moving;       // Σ w·m
 
   TESSERA_HD SplatSensitivity& operator+=(const SplatSensitivity& o) {
     weight += o.weight;
@@ -25,6 +27,7 @@ struct SplatSensitivity {
     image += o.image;
     removal1 += o.removal1;
     removal2 += o.removal2;
+    moving += o.moving;
     return *this;
   }
 };
@@ -40,12 +43,12 @@ TESSERA_HD inline Real removal_change(Real alpha, Real inverse_rest, Real transm
 }
 
 /// A pixel takes its step past a splat of that α (0: it does not draw the pixel) and says what the
-/// pixel adds to the splat's sums; x and e as above. `transmittance` and `to_come` are those behind
-/// the splat afterwards.
+/// pixel adds to the splat's sums; x, e and m as above. `transmittance` and `to_come` are those
+/// behind the splat afterwards.
 template <class Real>
 TESSERA_HD inline SplatSensitivity<Real> sensitivity_step(Real alpha, const Vec3<Real>& colour,
                                                           const Vec3<Real>& x, const Vec3<Real>& e,
-                                                          Real& transmittance,
+                                                          Real m, Real& transmittance,
                                                           Vec3<Real>& to_come) {
   const Real rest = Real(1) - alpha;
   const Real inverse = fast_divide(Real(1), max_of(rest, kMinOneMinusAlpha<Real>));
@@ -55,8 +58,12 @@ TESSERA_HD inline SplatSensitivity<Real> sensitivity_step(Real alpha, const Vec3
   const Real d2 = e.z * removal_change(alpha, inverse, T, colour.z, to_come.z);
   const Real weight = T * alpha;
   transmittance -= weight;
-  return {weight, weight * weight, Vec3<Real>(weight * x.x, weight * x.y, weight * x.z),
-          Real(2) * (x.x * d0 + x.y * d1 + x.z * d2), d0 * d0 + d1 * d1 + d2 * d2};
+  return {weight,
+          weight * weight,
+          Vec3<Real>(weight * x.x, weight * x.y, weight * x.z),
+          Real(2) * (x.x * d0 + x.y * d1 + x.z * d2),
+          d0 * d0 + d1 * d1 + d2 * d2,
+          weight * m};
 }
 
 }  // namespace tessera

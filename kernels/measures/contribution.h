@@ -19,6 +19,7 @@ TESSERA_HD inline void add_splat(const ViewArgs<Real>& view, const ColourRules<R
   sums.weight += sum.weight;
   sums.removal1 += sum.removal1;
   sums.removal2 += sum.removal2;
+  sums.moving += sum.moving;
   sums.time += sum.weight * view.time;
   sums.opacity += sum.weight * splat.opacity;
   if (variation != nullptr) {

@@ -9,9 +9,10 @@ namespace {
 template <class Real>
 struct SensitivityWalk : WalkState<Real> {
   using Sum = SplatSensitivity<Real>;
-  static constexpr int kTerms = 7;    // weight, weight2, image 3, removal 2
+  static constexpr int kTerms = 8;    // weight, weight2, image 3, removal 2, moving
   TileValues<Real> image[3] = {};     // x
   TileValues<Real> response[3] = {};  // e
+  TileValues<Real> moves = {};        // m
   TileValues<Real> to_come[3] = {};   // Q
 
   void load(const SensitivityArgs<Real>& args, const Tile<Real>& tile) {
@@ -22,6 +23,7 @@ struct SensitivityWalk : WalkState<Real> {
     const int64_t first = 3 * tile.view->first_pixel, pixels = tile.view_pixels();
     load_pixels(pass, tile, *this, [&](int x, int y, int64_t i) {
       const bool ignored = mask != nullptr && mask[i - first] == 0;
+      moves[y][x] = mask == nullptr || may_move(mask[i - first]) ? Real(1) : Real(0);
       for (int c = 0; c < 3; ++c) {
         image[c][y][x] = pass.d_colour[i + c * pixels];
         response[c][y][x] = ignored ? Real(0) : follows[c];
@@ -47,7 +49,7 @@ struct SensitivityWalk : WalkState<Real> {
       Vec3<Real> Q(Q0[x], Q1[x], Q2[x]);
       const Sum step =
           sensitivity_step(on ? alpha : Real(0), splat.colour, Vec3<Real>(x0[x], x1[x], x2[x]),
-                           Vec3<Real>(e0[x], e1[x], e2[x]), T[x], Q);
+                           Vec3<Real>(e0[x], e1[x], e2[x]), moves[y][x], T[x], Q);
       Q0[x] = Q.x;
       Q1[x] = Q.y;
       Q2[x] = Q.z;
@@ -58,6 +60,7 @@ struct SensitivityWalk : WalkState<Real> {
       sum[4][x] += step.image.z;
       sum[5][x] += step.removal1;
       sum[6][x] += step.removal2;
+      sum[7][x] += step.moving;
     }
   }
 
@@ -65,7 +68,7 @@ struct SensitivityWalk : WalkState<Real> {
     Real t[kTerms] = {};
     for (int k = 0; k < kTerms; ++k)
       for (int x = 0; x < kTileSize; ++x) t[k] += lanes[k][x];
-    return {t[0], t[1], Vec3<Real>(t[2], t[3], t[4]), t[5], t[6]};
+    return {t[0], t[1], Vec3<Real>(t[2], t[3], t[4]), t[5], t[6], t[7]};
   }
 };
 

@@ -6,7 +6,7 @@
 namespace tessera {
 namespace {
 
-constexpr int kSensitivityTerms = 7;  // floats of a SplatSensitivity
+constexpr int kSensitivityTerms = 8;  // floats of a SplatSensitivity
 static_assert(sizeof(SplatSensitivity<float>) == kSensitivityTerms * sizeof(float));
 
 struct SensitivityPass : BlendBackward {  // d_colour: the image x
@@ -20,6 +20,7 @@ struct PixelSensitivity : AddedTerms<kSensitivityTerms> {
   float x = 0, y = 0;  // centre
   float T = 1;
   Vec3<float> to_come{0}, image{0}, response{0};  // Q, x, e
+  float moves = 0;                                // m
   int32_t used = 0;
 
   __device__ PixelSensitivity() {}
@@ -34,7 +35,9 @@ struct PixelSensitivity : AddedTerms<kSensitivityTerms> {
     to_come =
         Vec3<float>(a.colour[c0] - before.x, a.colour[c1] - before.y, a.colour[c2] - before.z);
     const int64_t view = tile_pixel.image - a.views;
-    if (a.target.counts(view, tile_pixel.index - tile_pixel.image->first_pixel))
+    const int64_t pixel = tile_pixel.index - tile_pixel.image->first_pixel;
+    moves = a.target.may_move(view, pixel) ? 1.0f : 0.0f;
+    if (a.target.counts(view, pixel))
       response = Vec3<float>(a.target.response_of(view, 0), a.target.response_of(view, 1),
                              a.target.response_of(view, 2));
     used = a.used[tile_pixel.index];
@@ -44,13 +47,14 @@ struct PixelSensitivity : AddedTerms<kSensitivityTerms> {
   /// SplatSensitivity.
   template <class Add>
   __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on, Add&& add) {
-    const SplatSensitivity<float> share = sensitivity_step(on ? s.opacity() * p.falloff : 0.0f,
-                                                           s.colour(), image, response, T, to_come);
+    const SplatSensitivity<float> share = sensitivity_step(
+        on ? s.opacity() * p.falloff : 0.0f, s.colour(), image, response, moves, T, to_come);
     add(0, share.weight);
     add(1, share.weight2);
     for (int c = 0; c < 3; ++c) add(2 + c, share.image[c]);
     add(5, share.removal1);
     add(6, share.removal2);
+    add(7, share.moving);
   }
   __device__ static float reduce(float, const float (&v)[kLaneTerms]) { return reduce_eight(v); }
   __device__ static int term_of_lane() {
@@ -75,8 +79,8 @@ void CudaBackend::sensitivity(const SensitivityArgs<float>& args,
   else
     launch_sums<PixelSensitivity, 2, true, false, false>(a, a.tiles, stream_);
   check_launch("sensitivity");
-  clock_.add_bytes(kBlendBackward, double(forward.instances->count) * (4 + 48 + 28) +
-                                       28.0 * 2 * double(out.size) +
+  clock_.add_bytes(kBlendBackward, double(forward.instances->count) * (4 + 48 + 32) +
+                                       32.0 * 2 * double(out.size) +
                                        28.0 * double(forward.batch->pixels));
 }
 

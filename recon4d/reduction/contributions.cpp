@@ -47,6 +47,7 @@ void read_sums(const Buffer<ElementSums<float>>& sums, int64_t first, double sha
     const ElementSums<float>& sum = sums[first + int64_t(n)];
     const float light = std::max(sum.weight, 1e-12f);
     set.weight[n] = scale * sum.weight;
+    set.moving[n] = scale * sum.moving;
     set.removal1[n] = scale * sum.removal1;
     set.removal2[n] = scale * sum.removal2;
     set.mean_time[n] = sum.time / light;
@@ -74,7 +75,7 @@ SetContributions::Change change_of(TimeVariation v) {
 }  // namespace
 
 void SetContributions::resize(int64_t count) {
-  for (std::vector<float>* values : {&weight, &removal1, &removal2, &mean_time, &opacity})
+  for (std::vector<float>* values : {&weight, &moving, &removal1, &removal2, &mean_time, &opacity})
     values->assign(size_t(count), 0.0f);
   truncation_error.assign(size_t(count), {});
   change.assign(size_t(count), {});
@@ -87,6 +88,7 @@ double Contributions::psnr_after(double added) const {
 Contributions measure_contributions(Backend& backend, const GaussianModel& model,
                                     const FrameSample& sample, const ElementPrices& prices) {
   Contributions contributions;
+  contributions.motion_known = !sample.moving.empty();
   contributions.gain_variance = gain_variance(sample);
   ElementBuffers elements(backend, model, true);
   ScoringPass pass(backend, model, true);

@@ -16,6 +16,7 @@ namespace tessera {
 /// scaled from the frames drawn to all training frames.
 struct SetContributions {
   std::vector<float> weight;    // [N] Σ w, w = T·α: blending weight, pixels
+  std::vector<float> moving;    // [N] that of pixels that may move
   std::vector<float> removal1;  // [N] first- and
   std::vector<float> removal2;  // [N] second-order change of the squared error without it alone
   /// [N][d] squared error added by the bands above degree d
@@ -44,6 +45,7 @@ struct Contributions {
   double samples = 0;                     // 3 · pixels that count in them
   double share = 1;                       // of the training frames, that were drawn
   double gain_variance = 0;               // of the images' gains around their camera's mean
+  bool motion_known = false;              // whether masks told SetContributions::moving
   double psnr_after(double added) const;  // dB, of the mean squared error with so much more
 };
 

@@ -45,12 +45,15 @@ std::vector<int64_t> time_varying_elements(const Contributions& contributions, d
   // under white noise of variance s² the gain is s² · χ² with three degrees of freedom for each
   // timestep of a series beyond its first
   constexpr double kDeviations = 5;
+  constexpr float kLeastMoving = 0.1f;  // of its light lies in pixels that may move
   const double noise = contributions.squared_error / std::max(1.0, contributions.samples);
   std::vector<std::pair<float, int64_t>> found;
-  const std::vector<SetContributions::Change>& change = contributions.sets[0].change;
+  const SetContributions& set = contributions.sets[0];
+  const std::vector<SetContributions::Change>& change = set.change;
   for (size_t n = 0; n < change.size(); ++n) {
     const double freedom = 3 * double(change[n].freedom);
     if (freedom <= 0) continue;
+    if (contributions.motion_known && !(set.moving[n] > kLeastMoving * set.weight[n])) continue;
     // and gains as large as those that images have, not found yet, change all of its light
     const double chance = noise * rare_chi_square(freedom, kDeviations) +
                           contributions.gain_variance * double(change[n].light);

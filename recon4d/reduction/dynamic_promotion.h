@@ -8,8 +8,8 @@
 namespace tessera {
 
 /// Elements of the static set over which the residual changes with time beyond noise, and by more
-/// squared error over all frames than `least`; at most `most`, those with the largest gain,
-/// ascending.
+/// squared error over all frames than `least`, and, where masks say what moves, of whose light more
+/// than a tenth lies in pixels that may; at most `most`, those with the largest gain, ascending.
 std::vector<int64_t> time_varying_elements(const Contributions& contributions, double least,
                                            int64_t most);
 

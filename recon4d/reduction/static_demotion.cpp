@@ -88,10 +88,13 @@ GaussianSet as_static(Backend& backend, const GaussianModel& model,
 DemotionTrial try_demotion(Backend& backend, const GaussianModel& model,
                            const Contributions& contributions, const FrameSample& sample,
                            double allowed, int rounds) {
+  constexpr float kMostMoving = 0.25f;  // of its light lies in pixels that may move
   const SetContributions& dynamic = contributions.sets[1];
   DemotionVerdict verdict;
   for (size_t n = 0; n < dynamic.weight.size(); ++n)
-    if (dynamic.weight[n] > 0) verdict.accepted.push_back(int64_t(n));
+    if (dynamic.weight[n] > 0 &&
+        (!contributions.motion_known || dynamic.moving[n] <= kMostMoving * dynamic.weight[n]))
+      verdict.accepted.push_back(int64_t(n));
   verdict.finished = verdict.accepted.empty();
   const GaussianSet demoted = as_static(backend, model, dynamic);
   for (int round = 0; round < rounds && !verdict.finished; ++round) {

@@ -23,8 +23,9 @@ struct DemotionTrial {
   /// shares that the others had in it.
   double error = 0;
 };
-/// `allowed`: squared error over all frames that one of them may add; `rounds`: how often those
-/// that are left are tried, at most.
+/// Where masks say what moves, those are tried of whose light no more than a quarter lies in pixels
+/// that may. `allowed`: squared error over all frames that one of them may add; `rounds`: how often
+/// those that are left are tried, at most.
 DemotionTrial try_demotion(Backend& backend, const GaussianModel& model,
                            const Contributions& contributions, const FrameSample& sample,
                            double allowed, int rounds = 4);

@@ -201,7 +201,10 @@ FrameMasks moving_masks(const Scene& scene, const std::vector<int>& frames) {
     Image8 mask{frame.image.width, frame.image.height, 1, {}};
     mask.data.resize(moves.empty() ? size_t(used.size) : moves.size());
     for (size_t p = 0; p < mask.data.size(); ++p)
-      mask.data[p] = !is_used(used, p) ? 0 : !moves.empty() && moves[p] != 0 ? kMovingPixel : 1;
+      mask.data[p] = !is_used(used, p) ? 0
+                     : moves.empty()   ? kUnknownPixel
+                     : moves[p] != 0   ? kMovingPixel
+                                       : kStillPixel;
     masks.emplace_back(std::move(mask));
     if (same != nullptr) *same = masks.back();
   }

@@ -95,8 +95,9 @@ class FrameCache {
 };
 
 /// [frames] each 0 where the frame's own mask ignores a pixel, kMovingPixel where it differs from
-/// the median over time of its camera, else 1. Empty where the camera moves or has fewer than three
-/// timesteps and the frame has no mask. `frames`: places in the scene.
+/// the median over time of its camera, else kStillPixel. Where the camera moves or has fewer than
+/// three timesteps, kUnknownPixel, and empty where the frame has no mask. `frames`: places in the
+/// scene.
 FrameMasks moving_masks(const Scene& scene, const std::vector<int>& frames);
 
 }  // namespace tessera

@@ -166,7 +166,7 @@ FrameSample Trainer::sample_frames() {
     sample.images = std::move(resident.images);
     sample.masks = std::move(resident.masks);
   }
-  if (options_.spawn_missed && cache_.knows_motion())  // else passes need not bring them
+  if (cache_.knows_motion())
     for (const int64_t i : indices) sample.moving.push_back(cache_.mask_on_host(i));
   for (const int64_t i : indices)
     if (!maps_.empty()) sample.maps.push_back(maps_[size_t(exposed_.of_frame[size_t(i)])]);

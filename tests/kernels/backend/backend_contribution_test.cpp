@@ -100,7 +100,7 @@ TEST_P(BackendContribution, SumsOfAGaussianAreThoseOfItsSplats) {
     for (int64_t n = 0; n < int64_t(found.elements.size()); ++n) {
       const bool is_static = n < scene.fixed.count;
       const TestGaussians<float>& set = is_static ? scene.fixed : scene.moving;
-      double weight = 0, removal1 = 0, removal2 = 0, time = 0, opacity = 0, scale = 0;
+      double weight = 0, removal1 = 0, removal2 = 0, moving = 0, time = 0, opacity = 0, scale = 0;
       double truncation[2] = {0, 0};
       Vec3<double> image(0.0);
       for (int t = 0; t < 2; ++t)
@@ -111,6 +111,7 @@ TEST_P(BackendContribution, SumsOfAGaussianAreThoseOfItsSplats) {
           weight += sum.weight;
           removal1 += sum.removal1;
           removal2 += sum.removal2;
+          moving += sum.moving;
           time += sum.weight * kTimes[t];
           opacity += sum.weight * splat.opacity;
           image += Vec3<double>(sum.image);
@@ -136,6 +137,7 @@ TEST_P(BackendContribution, SumsOfAGaussianAreThoseOfItsSplats) {
       EXPECT_LT(relative(sums.opacity, opacity, opacity), 1e-5) << n;
       EXPECT_LT(relative(sums.removal1, removal1, std::abs(removal1) + removal2), 1e-4) << n;
       EXPECT_LT(relative(sums.removal2, removal2, removal2), 1e-5) << n;
+      EXPECT_LT(relative(sums.moving, moving, moving), 1e-5) << n;
       for (int c = 0; c < 3; ++c) EXPECT_LT(relative(sums.image[c], image[c], weight), 1e-5) << n;
       for (int d = 0; d < 2; ++d)
         EXPECT_LT(relative(sums.truncation[d], truncation[d], scale), 1e-4) << n << " " << d;

@@ -159,5 +159,23 @@ TEST(DynamicPromotion, AtMostSoManyAndOnlyWhereTheErrorJustifiesTheirBytes) {
   EXPECT_EQ(time_varying_elements(contributions, 100, 10), Elements{});
 }
 
+// Bugs put back, each seen to fail: a share of the largest weight; unknown motion taken for none.
+TEST(DynamicPromotion, OnlyWhereLightLiesInPixelsThatMayMove) {
+  Contributions contributions;
+  contributions.samples = 1;
+  contributions.sets[0].resize(4);
+  const float weights[] = {100, 10, 1, 10}, moving[] = {9, 2, 0.2f, 0};
+  for (size_t n = 0; n < 4; ++n) {
+    contributions.sets[0].weight[n] = weights[n];
+    contributions.sets[0].moving[n] = moving[n];
+    contributions.sets[0].change[n].gain = 1;
+    contributions.sets[0].change[n].freedom = 1;
+  }
+  using Elements = std::vector<int64_t>;
+  EXPECT_EQ(time_varying_elements(contributions, 0, 10), (Elements{0, 1, 2, 3})) << "not known";
+  contributions.motion_known = true;
+  EXPECT_EQ(time_varying_elements(contributions, 0, 10), (Elements{1, 2}));
+}
+
 }  // namespace
 }  // namespace tessera::testing
