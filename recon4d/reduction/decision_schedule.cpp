@@ -53,8 +53,11 @@ DueDecision DecisionSchedule::due(int64_t iteration, int64_t decided) const {
   due.rounds_left = rounds_left(iteration);
   due.prune = due.rounds_left > 0;
   due.motion = contains(motion_, iteration) || (decides_motion_ && due.prune);
-  due.spawn_missed = spawn_missed_ && due.motion && decided == 0;
-  due.promote = due.motion && due.rounds_left != 1 && decided > 0;
+  if (!due.motion) return due;
+  due.spawn_missed = spawn_missed_ && decided == 0;
+  const bool last = rounds_.empty() ? iteration == motion_.back() : due.rounds_left == 1;
+  due.demote = decided == 0 || last;
+  due.promote = due.rounds_left != 1 && decided > 0;
   return due;
 }
 

@@ -13,8 +13,12 @@ namespace tessera {
 struct DueDecision {
   int64_t iteration = 0;    // steps done
   int64_t rounds_left = 0;  // rounds of pruning that are left, with this one; 0: this is none
-  bool motion = false;      // dynamic Gaussians are tried as static ones
+  bool motion = false;      // static or dynamic
   bool prune = false;
+  /// Whether dynamic Gaussians are tried as static ones, which costs most of a decision's passes:
+  /// at the first decision, when what stands still is known, and at the last, when all is learnt.
+  /// Between them hardly any changes.
+  bool demote = false;
   /// Whether static Gaussians may become dynamic, where motion is decided. The first decision does
   /// not promote, because the gains of the images and the places of the Gaussians are not known
   /// yet. The last round does not, because nothing is trained long enough after it.

@@ -32,23 +32,25 @@ struct MotionDecision {
   StateEdit edit;             // drops what changes its set, adds it to the other
 };
 
-/// `contributions`: of `model`, the drawn one; `promote`: as in DueDecision. A trial draws
-/// `sample`.
+/// `contributions`: of `model`, the drawn one. A trial draws `sample`.
 MotionDecision decide_motion(Backend& backend, const GaussianModel& model,
                              const Contributions& contributions, const FrameSample& sample,
-                             bool promote) {
+                             const DueDecision& due) {
   const MotionPrices prices =
       motion_prices(removal_order(model, contributions), contributions, model.drawing.sh_degree);
-  DemotionTrial trial =
-      try_demotion(backend, model, contributions, sample, prices.allowed_demotion);
-  PromotionChoice choice = choose_promotion(contributions, prices, model.count(), promote);
-  MotionDecision decision{prices.error_per_byte, trial.error, int64_t(choice.spawned.size()), {}};
+  PromotionChoice choice = choose_promotion(contributions, prices, model.count(), due.promote);
+  MotionDecision decision{prices.error_per_byte, 0, int64_t(choice.spawned.size()), {}};
   StateEdit& edit = decision.edit;
-  edit.added[0].push_back(std::move(trial.demoted));
+  if (due.demote) {
+    DemotionTrial trial =
+        try_demotion(backend, model, contributions, sample, prices.allowed_demotion);
+    decision.demotion_error = trial.error;
+    edit.added[0].push_back(std::move(trial.demoted));
+    edit.dropped[1] = std::move(trial.elements);
+  }
   edit.added[1].push_back(as_dynamic(backend, model, contributions, choice.promoted));
   edit.added[1].push_back(spawn_dynamic(backend, model, contributions, choice.spawned));
   edit.dropped[0] = std::move(choice.promoted);
-  edit.dropped[1] = std::move(trial.elements);
   return decision;
 }
 
@@ -128,7 +130,7 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
     contributions = measure(knee_prices(trainer.drawn_model()));
     report_pass(*contributions, sample, report);
     MotionDecision decision =
-        decide_motion(backend_, trainer.drawn_model(), *contributions, sample, due.promote);
+        decide_motion(backend_, trainer.drawn_model(), *contributions, sample, due);
     report_motion(decision, report);
     if (due.spawn_missed) {
       GaussianSet spawned =

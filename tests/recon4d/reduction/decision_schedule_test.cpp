@@ -97,6 +97,26 @@ TEST(DecisionSchedule, WhatIsDueAtAStep) {
   EXPECT_TRUE(DecisionSchedule(options).due(101, 0).prune);
 }
 
+// Bugs put back, each seen to fail: at every decision; without rounds at the first alone.
+TEST(DecisionSchedule, DemotionIsTriedAtTheFirstAndTheLast) {
+  const auto tried = [](const TrainOptions& options) {
+    const DecisionSchedule schedule(options);
+    Steps steps;
+    int64_t decided = 0;
+    for (const int64_t i : decision_steps(options)) {
+      if (schedule.due(i, decided).demote) steps.push_back(i);
+      decided = i;
+    }
+    return steps;
+  };
+  TrainOptions options = four_rounds();
+  EXPECT_EQ(tried(options), (Steps{30, 180}));
+  options.size = ModelSize::kGrown;
+  EXPECT_EQ(tried(options), (Steps{30, 90})) << "no rounds";
+  options.decide_motion = false;
+  EXPECT_EQ(tried(options), Steps{});
+}
+
 // Bug put back: at every decision; seen to fail.
 TEST(DecisionSchedule, MissedOnesAreSpawnedAtTheFirst) {
   TrainOptions options = four_rounds();

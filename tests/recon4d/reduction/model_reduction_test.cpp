@@ -108,6 +108,19 @@ TEST(ModelReduction, TheLastRoundLeavesTheKneeOfTheFirst) {
   EXPECT_EQ(degrees[3], 0) << "of two bands";
 }
 
+// Bug put back: a trial at every decision; seen to fail.
+TEST(ModelReduction, DynamicGaussiansAreTriedAtTheFirstAndTheLast) {
+  TrainOptions options = thrifty_options();
+  options.static_fraction = 0;
+  options.split_by_motion = false;
+  const Thrifty run = std::move(Thrifty(options).run(180));
+  ASSERT_EQ(run.decisions().size(), 7u);
+  for (const ReductionReport& report : run.decisions()) {
+    const bool tries = report.iteration == 30 || report.iteration == 180;
+    EXPECT_EQ(report.demoted > 0, tries) << report.iteration;
+  }
+}
+
 // C13. Bug put back: the goal without its spare; seen to fail.
 TEST(ModelReduction, TheLastRoundLeavesALittleMoreThanIsAskedFor) {
   TrainOptions options = thrifty_options();
