@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -18,7 +19,7 @@
 namespace tessera {
 namespace {
 
-constexpr float kMinOpacity = 0.1f;
+constexpr float kMinOpacity = 0.1f, kFaintest = 0.01f;
 constexpr int64_t kElementsPerNode = 4;
 
 float squared_distance(const Vec3<float>& a, const Vec3<float>& b) {
@@ -33,12 +34,26 @@ struct Eligible {
   float reach = 0;  // world units
 };
 
-Eligible eligible_elements(Span<const float> mean, Span<const float> opacity_logit) {
+/// The logit of the `wanted` most opaque elements, or of all, that is the smallest.
+float least_of_most_opaque(Span<const float> opacity_logit, int64_t wanted) {
+  std::vector<float> logits(opacity_logit.data, opacity_logit.data + opacity_logit.size);
+  const auto last = logits.begin() + std::min(wanted, opacity_logit.size) - 1;
+  std::nth_element(logits.begin(), last, logits.end(), std::greater<>());
+  return *last;
+}
+
+/// `wanted`: elements, where fewer are more opaque than kMinOpacity, as soon after the start.
+Eligible eligible_elements(Span<const float> mean, Span<const float> opacity_logit,
+                           int64_t wanted) {
   constexpr float kReach = 3;  // by the median: a few strays lie far away
   Eligible eligible;
   std::vector<int64_t> opaque;
-  for (int64_t n = 0; n < opacity_logit.size; ++n)
-    if (sigmoid(opacity_logit[n]) > kMinOpacity) opaque.push_back(n);
+  if (opacity_logit.size == 0 || wanted == 0) return eligible;
+  const float least = least_of_most_opaque(opacity_logit, wanted);
+  for (int64_t n = 0; n < opacity_logit.size; ++n) {
+    const float o = opacity_logit[n];
+    if (o > logit(kMinOpacity) || (o >= least && o > logit(kFaintest))) opaque.push_back(n);
+  }
   if (opaque.empty()) return eligible;
   std::vector<float> values;
   for (int c = 0; c < 3; ++c) {
@@ -197,7 +212,7 @@ void zero(ParameterGroup& group) {
 NodePlan plan_nodes(Span<const float> mean, Span<const float> opacity_logit, int64_t nodes) {
   check(mean.size == 3 * opacity_logit.size, "plan_nodes: one mean and opacity a Gaussian");
   NodePlan plan;
-  const Eligible eligible = eligible_elements(mean, opacity_logit);
+  const Eligible eligible = eligible_elements(mean, opacity_logit, kElementsPerNode * nodes);
   const int64_t count = std::min(nodes, int64_t(eligible.elements.size()) / kElementsPerNode);
   if (count == 0) return plan;
   plan.position = farthest_points(mean, eligible, count);

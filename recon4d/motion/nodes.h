@@ -18,9 +18,9 @@ struct NodePlan {
 };
 
 /// At most `nodes`, and at most a quarter of those elements that may have one: more opaque than
-/// 0.1, and no more than three times as far from the centre as half of the opaque ones are. Fewer
-/// where two would lie in one place. The first is the one farthest from the centre. `mean`: [N, 3]
-/// world units; `opacity_logit`: [N].
+/// 0.1, or among the 4 · `nodes` most opaque and more than 0.01, and no more than three times as
+/// far from the centre as half of these are. Fewer where two would lie in one place. The first is
+/// the one farthest from the centre. `mean`: [N, 3] world units; `opacity_logit`: [N].
 NodePlan plan_nodes(Span<const float> mean, Span<const float> opacity_logit, int64_t nodes);
 
 /// The static set of a state, where the backend works, becomes canonical: nodes at rest with

@@ -61,13 +61,25 @@ TEST(MotionStart, NodesAreOpaqueNotFarAwayAndFewerThanAQuarter) {
   Cloud cloud = line();
   cloud.add({7, 3, 0}, 0.05f);  // faint
   cloud.add({1000, 0, 0});      // astray
-  const NodePlan plan = cloud.plan(100);
+  const NodePlan plan = cloud.plan(4);
   EXPECT_EQ(plan.position.size(), 4u);
   for (const Vec3<float>& node : plan.position) {
     EXPECT_EQ(node[1], 0);
     EXPECT_LT(node[0], 16);
   }
   EXPECT_GE(plan.node[17 * kBindings], 0);  // but it is bound
+}
+
+// Soon after its start a training has few opaque Gaussians. Bugs put back, each seen to fail:
+// opaque ones alone; the faintest first.
+TEST(MotionStart, WhereFewAreOpaqueTheMostOpaqueHaveTheNodes) {
+  Cloud cloud;
+  for (int i = 0; i < 100; ++i) cloud.add({float(i), 0, 0}, i % 2 == 0 ? 0.09f : 0.02f);
+  cloud.add({50, 1, 0}, 0.5f);
+  const NodePlan plan = cloud.plan(10);
+  EXPECT_EQ(plan.position.size(), 10u);
+  for (const Vec3<float>& node : plan.position)
+    EXPECT_TRUE(node[1] == 1 || int(node[0]) % 2 == 0) << node[0];
 }
 
 TEST(MotionStart, OneSpotHasOneNodeAndNothingHasNone) {
