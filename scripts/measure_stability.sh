@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Where presets fail: scenes that are each hard in one way, trained with the presets and with the 4D
+# protocol of Faster-GS, three seeds each. `make` needs FFmpeg, `train` a card.
+# Usage: measure_stability.sh make FOLDER            makes and prepares the scenes in FOLDER
+#        measure_stability.sh train FOLDER RECORDS   trains every scene in FOLDER; JSON lines
+# Put other scenes beside those that are made: D-NeRF folders or prepared scenes. TESSERA names the
+# program; JOBS how many trainings run side by side (their seconds are not comparable).
+set -euo pipefail
+here=$(dirname "$0")
+tessera=${TESSERA:-$here/../build/release/tessera}
+action=${1:-} folder=${2:-}
+[ -n "$folder" ] || { sed -n 's/^# //p' "$0" >&2; exit 2; }
+
+# name, options of `tessera synth`
+small='--cameras 9 --width 320 --height 240'
+scenes="
+lights       room $small --light-step 0.6 --camera-gains
+few_cameras  room --cameras 5 --width 320 --height 240
+offsets      room $small --shift cam02=1.5,cam05=-0.75
+noise        room $small --noise 15
+shiny        room $small --specular 0.8
+long_clip    patch --frames 1050 --cameras 6 --width 160 --height 120
+"
+
+make_scenes() {
+  mkdir -p "$folder"
+  while read -r name of; do
+    [ -n "$name" ] && [ ! -e "$folder/$name" ] || continue
+    local capture="$folder/.captures/$name"
+    read -ra words <<< "$of"
+    "$tessera" synth "${words[@]}" --layout n3dv -o "$capture" --overwrite
+    "$tessera" ingest "$capture" -o "$folder/$name"
+  done <<< "$scenes"
+}
+
+train_scenes() {
+  local loads=()
+  for scene in "$folder"/*/; do loads+=("${scene%/}:fast,balanced,best,faster-gs"); done
+  python3 "$here/measure_training.py" --tessera "$tessera" --seeds "${SEEDS:-3}" \
+    --jobs "${JOBS:-1}" --out "$1" "${loads[@]}"
+}
+
+case $action in
+  make) make_scenes ;;
+  train) train_scenes "${3:?measure_stability.sh train FOLDER RECORDS}" ;;
+  *) sed -n 's/^# //p' "$0" >&2; exit 2 ;;
+esac
