@@ -24,7 +24,7 @@ TEST(CliAblation, OverridesThePresetAndIsOverriddenByOptions) {
   EXPECT_EQ(config["options"]["rectangular_bounds"], false);
   EXPECT_EQ(config["options"]["fused_optimizer"], false);
   EXPECT_EQ(config["options"]["opacity_bounds"], true);
-  EXPECT_EQ(config["options"]["peak_gaussians"], 40000);
+  EXPECT_EQ(config["options"]["thin_rounds"], 3);
 }
 
 TEST(CliAblation, WrongNamesAndPairsAreRefused) {

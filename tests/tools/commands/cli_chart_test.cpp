@@ -61,7 +61,7 @@ TEST_F(CliTrainings, AChartHasEveryCell) {
   EXPECT_EQ(config["options"]["iterations"], 6);
   EXPECT_EQ(config["options"]["seed"], 2);
   EXPECT_EQ(config["options"]["init_points"], 60) << "what is typed goes over the preset";
-  EXPECT_EQ(config["options"]["peak_gaussians"], 40000) << "the preset's";
+  EXPECT_EQ(config["options"]["thin_rounds"], 3) << "the preset's";
   EXPECT_FALSE(fs::exists(cell("fast/6/2") / "checkpoint.ckpt"));
   const std::string csv = work.read("out/chart.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
