@@ -94,7 +94,8 @@ struct VoteArgs {
   VoteGrid<Real> grid;
 };
 
-/// Splats of a forward pass and their sums, to be added to those of their Gaussians.
+/// Splats of a forward pass and their sums, to be added to those of their Gaussians. Timesteps
+/// ascend in each series of views, which follow one another.
 template <class Real>
 struct ContributionArgs {
   ProjectArgs<Real> forward;
@@ -102,7 +103,6 @@ struct ContributionArgs {
   Span<const SplatSensitivity<Real>> sums;  // [S]
   Span<ElementSums<Real>> elements;         // [N] static set first
   Span<TimeVariation> variation;            // [N of the static set]; empty: not wanted
-  int32_t series = 0;                       // of all views; their timesteps ascend
 };
 
 /// Dynamic Gaussians, all of one K, and the static ones that they become.

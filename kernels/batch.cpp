@@ -40,6 +40,7 @@ ViewBatch<Real> make_view_batch(const std::vector<View>& views) {
     v.position = Vec3<Real>(c.position());
     v.time = Real(view.time);
     v.timestep = view.timestep;
+    v.series = view.series;
     v.width = c.width;
     v.height = c.height;
     v.tiles_x = (c.width + kTileSize - 1) / kTileSize;

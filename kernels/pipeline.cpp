@@ -117,10 +117,10 @@ Span<const SplatSensitivity<Real>> Pipeline<Real>::sensitivity() {
 
 template <class Real>
 void Pipeline<Real>::add_contributions(Span<ElementSums<Real>> elements,
-                                       Span<TimeVariation> variation, int32_t series) {
+                                       Span<TimeVariation> variation) {
   const StageTimer timer(backend_.clock(), kProjectBackward);
   backend_.contributions(
-      {project_, &splats_, std::as_const(sensitivity_).span(), elements, variation, series});
+      {project_, &splats_, std::as_const(sensitivity_).span(), elements, variation});
 }
 
 template <class Real>

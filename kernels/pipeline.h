@@ -82,10 +82,8 @@ class Pipeline {
   /// that was written there. [S] in the backend's memory, valid until the next call.
   Span<const SplatSensitivity<Real>> sensitivity();
   /// Adds the splats of the last forward, with the sums that the last sensitivity found, to their
-  /// Gaussians: `elements` [N] static set first, `variation` [N of the static set] or empty;
-  /// `series`: of the views.
-  void add_contributions(Span<ElementSums<Real>> elements, Span<TimeVariation> variation = {},
-                         int32_t series = 0);
+  /// Gaussians: `elements` [N] static set first, `variation` [N of the static set] or empty.
+  void add_contributions(Span<ElementSums<Real>> elements, Span<TimeVariation> variation = {});
   /// Raises the value of each Gaussian, [N] static set first, to its largest blending weight in the
   /// images of the last forward, which was for_backward.
   void add_largest_weights(Span<Real> elements);

@@ -43,7 +43,7 @@ struct Camera {
 struct View {
   Camera camera;
   double time = 0;
-  int32_t timestep = 0;  // its number in a clip, where measures go by timesteps
+  int32_t timestep = 0, series = 0;  // their numbers in a scoring pass, for measures over time
 };
 
 }  // namespace tessera

@@ -15,6 +15,7 @@ struct ViewArgs {
   Vec3<Real> position;     // camera centre, world units
   Real time;               // normalised
   int32_t timestep;        // number of the timestep, whatever the camera's clock
+  int32_t series;          // that it belongs to (contribution.h)
   int width, height;       // pixels
   int tiles_x, tiles_y;    // tiles that cover the image
   int64_t first_tile;      // index of this view's first tile in the batch

@@ -29,7 +29,7 @@ void add_block(const ContributionArgs<Real>& args, const GaussianSpans<const Rea
         GaussianState<Real> room;
         add_splat(args.forward.batch->views[size_t(b)], colours, Real(options.time_filter),
                   state_in_view<form>(set, n, b, g, room), splats.splat[s], args.sums[s],
-                  args.series, args.elements[first + n], variation);
+                  args.elements[first + n], variation);
       }
     }
   });

@@ -22,7 +22,6 @@ struct ContributionPass {
   const SplatSensitivity<float>* sums;
   ElementSums<float>* elements;
   TimeVariation* variation;  // of the static set, or nullptr
-  int32_t series;
 };
 
 template <SetForm form>
@@ -39,7 +38,7 @@ __global__ void __launch_bounds__(kThreads) add_elements(ContributionPass a) {
     const int b = a.splats[s].view;
     GaussianState<float> room;
     add_splat(a.views[b], a.colours, a.time_filter, state_in_view<form>(a.set, n, b, g, room),
-              a.splats[s], a.sums[s], a.series, sums, variation);
+              a.splats[s], a.sums[s], sums, variation);
   }
   a.elements[a.first + n] = sums;
 }
@@ -73,8 +72,7 @@ void CudaBackend::contributions(const ContributionArgs<float>& args) {
           args.splats->splat.data(),
           args.sums.data,
           args.elements.data,
-          args.variation.data,
-          args.series};
+          args.variation.data};
       with_drawn_form(set.form, [&](auto form) {
         launch_linear<kThreads>(stream_, "contributions", add_elements<form()>, elements.count, a);
       });

@@ -6,14 +6,13 @@
 
 namespace tessera {
 
-/// Splats come in the order of the series and their timesteps. `variation`: of a static Gaussian
+/// Splats come in the order of their views' series and timesteps. `variation`: of a static Gaussian
 /// where it is asked for, else nullptr.
 template <class Real>
 TESSERA_HD inline void add_splat(const ViewArgs<Real>& view, const ColourRules<Real>& colours,
                                  Real time_filter, const GaussianState<Real>& g,
                                  const Splat<Real>& splat, const SplatSensitivity<Real>& sum,
-                                 int32_t series, ElementSums<Real>& sums,
-                                 TimeVariation* variation) {
+                                 ElementSums<Real>& sums, TimeVariation* variation) {
   sums.image += sum.image;
   if (!(sum.weight > Real(0))) return;
   sums.weight += sum.weight;
@@ -23,7 +22,7 @@ TESSERA_HD inline void add_splat(const ViewArgs<Real>& view, const ColourRules<R
   sums.time += sum.weight * view.time;
   sums.opacity += sum.weight * splat.opacity;
   if (variation != nullptr) {
-    advance({series, view.timestep, float(view.time)}, *variation);
+    advance({view.series, view.timestep, float(view.time)}, *variation);
     variation->timestep.residual += Vec3<double>(sum.image);
     variation->timestep.light += Vec3<double>(splat.colour) * double(sum.weight);
     variation->timestep.weight2 += double(sum.weight2);

@@ -31,6 +31,14 @@ struct Place {
 
 }  // namespace
 
+int64_t FrameSample::at_once() const {
+  constexpr int64_t kPixels = int64_t{1} << 22, kLeast = 4, kMost = 16;
+  int64_t largest = 1;
+  for (int64_t i = 0; i < count(); ++i)
+    largest = std::max(largest, int64_t(frame(i).camera.width) * frame(i).camera.height);
+  return std::clamp(kPixels / largest, kLeast, kMost);
+}
+
 FrameSample sample_training_frames(const Scene& scene, int64_t least_frames) {
   std::map<std::string, std::vector<int>> cameras;  // frames of each, by time
   std::set<int64_t> numbers;                        // of the timesteps
@@ -82,10 +90,12 @@ FrameSample sample_training_frames(const Scene& scene, int64_t least_frames) {
   sample.sweeps.resize(size_t(sweeps));
   for (size_t i = 0; i < places.size(); ++i) {
     sample.frames.push_back(places[i].frame);
-    std::vector<FrameRange>& series = sample.sweeps[size_t(places[i].sweep)];
-    if (series.empty() || places[i].series != places[i - 1].series)
-      series.push_back({int64_t(i), int64_t(i)});
-    series.back().end = int64_t(i) + 1;
+    FrameRange& sweep = sample.sweeps[size_t(places[i].sweep)];
+    const bool begins = sweep.end == 0;
+    if (begins) sweep.begin = int64_t(i);
+    sweep.end = int64_t(i) + 1;
+    const bool same = !begins && places[i].series == places[i - 1].series;
+    sample.series.push_back(i == 0 ? 0 : sample.series.back() + (same ? 0 : 1));
   }
   return sample;
 }

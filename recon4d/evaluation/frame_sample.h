@@ -20,8 +20,9 @@ struct FrameSample {
   const Scene* scene = nullptr;
   /// Places in scene->frames, series by series; those of a series in the order of their timesteps.
   std::vector<int> frames;
-  /// [sweeps][series] of `frames`; a series is the same cameras at several timesteps.
-  std::vector<std::vector<FrameRange>> sweeps;
+  /// [frames] number of the series, which is the same cameras at several timesteps of a sweep.
+  std::vector<int32_t> series;
+  std::vector<FrameRange> sweeps;       // of `frames`, one behind another
   std::vector<ColourMap<double>> maps;  // [frames]; empty: the images are compared as rendered
   KernelSwitches kernels;               // how they are drawn and looked at
   /// [frames] images and masks where the backend reads them; empty: those of the scene are copied.
@@ -31,6 +32,8 @@ struct FrameSample {
   std::vector<Span<const uint8_t>> moving;
 
   int64_t count() const { return int64_t(frames.size()); }
+  /// Frames that a pass draws as one batch: small images alone would leave a device idle.
+  int64_t at_once() const;
   const Frame& frame(int64_t i) const { return scene->frames[size_t(frames[size_t(i)])]; }
 };
 

@@ -40,9 +40,8 @@ class ScoringPass {
   /// The residual becomes what each pixel's squared error has more than in `before`, which has
   /// drawn the same frames; in the first channel, zeros in the others.
   void compare(ScoringPass& before);
-  /// Adds what every splat is to the images, with the residual for the image x. `series`: of the
-  /// batch, in which timesteps ascend (kernels/math/contribution.h).
-  void add_to(ElementBuffers& elements, int32_t series);
+  /// Adds what every splat is to the images, with the residual for the image x.
+  void add_to(ElementBuffers& elements);
 
  private:
   void draw_batch();

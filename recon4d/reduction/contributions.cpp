@@ -95,11 +95,11 @@ Contributions measure_contributions(Backend& backend, const GaussianModel& model
   Buffer<ElementSums<float>> sums;
   double squared_error = 0;  // of what was drawn
   int64_t samples = 0;
-  const auto draw = [&](int64_t begin, int64_t end, int32_t series) {
+  const auto draw = [&](int64_t begin, int64_t end) {
     pass.draw(sample, begin, end);
     squared_error += pass.squared_error();
     for (int64_t i = begin; i < end; ++i) samples += counted_samples(sample.frame(i));
-    pass.add_to(elements, series);
+    pass.add_to(elements);
   };
   const auto scale_to_all = [&](double share) {
     contributions.share = share;
@@ -142,22 +142,18 @@ double regret(const std::vector<double>& first, const std::vector<double>& secon
   return lost / 2;
 }
 
-double draw_until_precise(
-    const FrameSample& sample,
-    const std::function<void(int64_t begin, int64_t end, int32_t series)>& draw,
-    const std::function<PricedErrors(double share)>& so_far) {
-  constexpr int64_t kBatch = 4;  // frames drawn at once
+double draw_until_precise(const FrameSample& sample,
+                          const std::function<void(int64_t begin, int64_t end)>& draw,
+                          const std::function<PricedErrors(double share)>& so_far) {
+  const int64_t batch = sample.at_once();
   const auto sweeps = int64_t(sample.sweeps.size());
   int64_t drawn_frames = 0;
-  int32_t series_number = 0;
   std::vector<double> first;  // errors by the first half
   for (int64_t sweep = 0; sweep < sweeps; ++sweep) {
-    for (const FrameRange& series : sample.sweeps[size_t(sweep)]) {
-      for (int64_t begin = series.begin; begin < series.end; begin += kBatch)
-        draw(begin, std::min(begin + kBatch, series.end), series_number);
-      drawn_frames += series.end - series.begin;
-      ++series_number;
-    }
+    const FrameRange& frames = sample.sweeps[size_t(sweep)];
+    for (int64_t begin = frames.begin; begin < frames.end; begin += batch)
+      draw(begin, std::min(begin + batch, frames.end));
+    drawn_frames += frames.end - frames.begin;
     const int64_t drawn = sweep + 1;
     if (!so_far || drawn == sweeps || (drawn & (drawn - 1)) != 0) continue;
     PricedErrors now = so_far(double(drawn_frames) / double(sample.count()));

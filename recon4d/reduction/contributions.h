@@ -77,11 +77,10 @@ struct PricedErrors {
 };
 
 /// Draws sweeps of `sample` and calls `so_far` after 1, 2, 4, … of them, until the halves decide
-/// alike; without `so_far` all. `draw`: frames [begin, end) of `sample`, of one series, at most
-/// four of them. Returns the share of the frames that were drawn.
-double draw_until_precise(
-    const FrameSample& sample,
-    const std::function<void(int64_t begin, int64_t end, int32_t series)>& draw,
-    const std::function<PricedErrors(double share)>& so_far);
+/// alike; without `so_far` all. `draw`: frames [begin, end) of `sample`, at most
+/// FrameSample::at_once. Returns the share of the frames that were drawn.
+double draw_until_precise(const FrameSample& sample,
+                          const std::function<void(int64_t begin, int64_t end)>& draw,
+                          const std::function<PricedErrors(double share)>& so_far);
 
 }  // namespace tessera

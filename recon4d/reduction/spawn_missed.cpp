@@ -15,7 +15,6 @@
 namespace tessera {
 namespace {
 
-constexpr int64_t kBatch = 4;           // frames drawn at once
 constexpr int64_t kMostSpawned = 6000;  // over all timesteps
 constexpr int64_t kCandidates = 3;      // for each of them
 constexpr double kOpacity = 0.4;
@@ -73,8 +72,9 @@ Missed look_at_timestep(Backend& backend, ScoringPass& pass, const FrameSample& 
         {sample.frame(i).camera, sample.frame(i).time, int32_t(sample.frame(i).timestep)});
   Missed missed{make_view_batch<float>(views), {}, {}};
   Buffer<uint8_t> levels(missed.batch.pixels, backend.memory());
-  for (size_t begin = 0; begin < frames.size(); begin += kBatch) {
-    const size_t end = std::min(frames.size(), begin + kBatch);
+  const auto batch = size_t(sample.at_once());
+  for (size_t begin = 0; begin < frames.size(); begin += batch) {
+    const size_t end = std::min(frames.size(), begin + batch);
     const int64_t first = missed.batch.views[begin].first_pixel;
     const int64_t last =
         end < frames.size() ? missed.batch.views[end].first_pixel : missed.batch.pixels;

@@ -38,14 +38,14 @@ Added added_error(Backend& backend, const GaussianModel& model, const GaussianMo
   ScoringPass before(backend, model, false), after(backend, trial, true);
   ElementBuffers elements(backend, trial, false);
   double squared_error = 0, total = 0;  // of what was drawn
-  const auto draw = [&](int64_t begin, int64_t end, int32_t series) {
+  const auto draw = [&](int64_t begin, int64_t end) {
     before.draw(sample, begin, end);
     after.draw_frames_of(before);
     const double error = before.squared_error();
     squared_error += error;
     total += after.squared_error() - error;
     after.compare(before);
-    after.add_to(elements, series);
+    after.add_to(elements);
   };
   Buffer<ElementSums<float>> sums;
   const int64_t first = trial.static_set.count() - candidates;

@@ -47,12 +47,13 @@ Found find(const TestScene<float>& scene, const double (&times)[2], Backend& bac
     for (View& view : in.views) {
       view.time = times[t] + offset;
       view.timestep = t;
+      view.series = t * second_series;
       offset += clock;
     }
     pipeline.forward(in.forward(true));
     pipeline.residual(in.target());
     const Span<const SplatSensitivity<float>> sums = pipeline.sensitivity();
-    pipeline.add_contributions(elements.span(), variation.span(), t * second_series);
+    pipeline.add_contributions(elements.span(), variation.span());
     found.sums[t].resize(size_t(sums.size));
     memory.copy(found.sums[t].data(), sums.data, size_t(sums.size) * sizeof(sums[0]));
     found.splats[t] = fetched(pipeline.splats().splat, memory);
