@@ -4,12 +4,16 @@
 # Usage: measure_stability.sh make FOLDER            makes and prepares the scenes in FOLDER
 #        measure_stability.sh train FOLDER RECORDS   trains every scene in FOLDER; JSON lines
 # Put other scenes beside those that are made: D-NeRF folders or prepared scenes. TESSERA names the
-# program; JOBS how many trainings run side by side (their seconds are not comparable).
+# program, JOBS how many trainings run side by side (their seconds are not comparable).
 set -euo pipefail
 here=$(dirname "$0")
 tessera=${TESSERA:-$here/../build/release/tessera}
 action=${1:-} folder=${2:-}
-[ -n "$folder" ] || { sed -n 's/^# //p' "$0" >&2; exit 2; }
+usage() {
+  sed -n '2,/^set /s/^# //p' "$0" >&2
+  exit 2
+}
+[ -n "$folder" ] || usage
 
 # name, options of `tessera synth`
 small='--cameras 9 --width 320 --height 240'
@@ -36,12 +40,12 @@ make_scenes() {
 train_scenes() {
   local loads=()
   for scene in "$folder"/*/; do loads+=("${scene%/}:fast,balanced,best,faster-gs"); done
-  python3 "$here/measure_training.py" --tessera "$tessera" --seeds "${SEEDS:-3}" \
-    --jobs "${JOBS:-1}" --out "$1" "${loads[@]}"
+  python3 "$here/measure_training.py" --tessera "$tessera" --jobs "${JOBS:-1}" --out "$1" \
+    "${loads[@]}"
 }
 
 case $action in
   make) make_scenes ;;
   train) train_scenes "${3:?measure_stability.sh train FOLDER RECORDS}" ;;
-  *) sed -n 's/^# //p' "$0" >&2; exit 2 ;;
+  *) usage ;;
 esac
