@@ -109,6 +109,16 @@ TEST(FrameSample, ASeriesIsTheSameCamerasAtAscendingTimesteps) {
   EXPECT_EQ(next, sample.count());
 }
 
+// Bug put back: a series that goes on in the next sweep; seen to fail.
+TEST(FrameSample, OneCameraHasASeriesInEachSweep) {
+  const Scene scene = rig(1, 512);
+  const FrameSample sample = sample_training_frames(scene);
+  ASSERT_EQ(sample.sweeps.size(), 16u);
+  for (int32_t k = 0; k < 16; ++k)
+    for (int64_t i = sample.sweeps[size_t(k)].begin; i < sample.sweeps[size_t(k)].end; ++i)
+      EXPECT_EQ(sample.series[size_t(i)], k) << i;
+}
+
 // Bug put back: by the pixels of the first frame; seen to fail.
 TEST(FrameSample, SmallImagesAreDrawnManyAtOnce) {
   Scene scene = rig(3, 5);
