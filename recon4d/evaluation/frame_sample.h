@@ -35,6 +35,9 @@ struct FrameSample {
   /// Frames that a pass draws as one batch: small images alone would leave a device idle.
   int64_t at_once() const;
   const Frame& frame(int64_t i) const { return scene->frames[size_t(frames[size_t(i)])]; }
+  View view(int64_t i) const {
+    return {frame(i).camera, frame(i).time, int32_t(frame(i).timestep), series[size_t(i)]};
+  }
 };
 
 /// All training frames, which have numbers of timesteps. Of C cameras with T frames each, timestep

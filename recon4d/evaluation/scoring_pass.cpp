@@ -64,7 +64,7 @@ void ScoringPass::draw(const FrameSample& sample, const std::vector<int64_t>& fr
   for (const int64_t i : frames) {
     const Frame& frame = sample.frame(i);
     const size_t b = views_.size();
-    views_.push_back({frame.camera, frame.time, int32_t(frame.timestep), sample.series[size_t(i)]});
+    views_.push_back(sample.view(i));
     if (sample.images.empty()) {
       const std::vector<uint8_t>& used = frame.mask.data();
       const Span<const uint8_t> mask = sample.moving.empty() || sample.moving[size_t(i)].empty()

@@ -64,15 +64,14 @@ struct Missed {
   std::vector<std::pair<float, int64_t>> votes;  // −vote and its place, of those with one
 };
 
+/// `batch`: frames drawn at once.
 Missed look_at_timestep(Backend& backend, ScoringPass& pass, const FrameSample& sample,
-                        const std::vector<int64_t>& frames, const VoteGrid<float>& grid) {
+                        const std::vector<int64_t>& frames, size_t batch,
+                        const VoteGrid<float>& grid) {
   std::vector<View> views;
-  for (const int64_t i : frames)
-    views.push_back(
-        {sample.frame(i).camera, sample.frame(i).time, int32_t(sample.frame(i).timestep)});
+  for (const int64_t i : frames) views.push_back(sample.view(i));
   Missed missed{make_view_batch<float>(views), {}, {}};
   Buffer<uint8_t> levels(missed.batch.pixels, backend.memory());
-  const auto batch = size_t(sample.at_once());
   for (size_t begin = 0; begin < frames.size(); begin += batch) {
     const size_t end = std::min(frames.size(), begin + batch);
     const int64_t first = missed.batch.views[begin].first_pixel;
@@ -130,9 +129,10 @@ GaussianSet spawn_missed(Backend& backend, const GaussianModel& model, const Fra
                             double(timesteps.rbegin()->first - timesteps.begin()->first);
   const int64_t most = std::max<int64_t>(1, kMostSpawned / int64_t(timesteps.size()));
   ScoringPass pass(backend, model, false);
+  const auto batch = size_t(sample.at_once());
   std::vector<NewGaussian> found;
   for (const auto& [timestep, frames] : timesteps) {
-    Missed missed = look_at_timestep(backend, pass, sample, frames, grid);
+    Missed missed = look_at_timestep(backend, pass, sample, frames, batch, grid);
     std::sort(missed.votes.begin(), missed.votes.end());
     const int64_t candidates = std::min(int64_t(missed.votes.size()), kCandidates * most);
     const int64_t chosen = std::min(candidates, most);
