@@ -109,7 +109,7 @@ TEST(FrameSample, ASeriesIsTheSameCamerasAtAscendingTimesteps) {
   EXPECT_EQ(next, sample.count());
 }
 
-// Bug put back: a series that goes on in the next sweep; seen to fail.
+// Bug put back: a series that continues in the next sweep; seen to fail.
 TEST(FrameSample, OneCameraHasASeriesInEachSweep) {
   const Scene scene = rig(1, 512);
   const FrameSample sample = sample_training_frames(scene);
