@@ -60,15 +60,22 @@ def shared(records, field):
 def command_of(records):
     """The command of all records, with what differs as words in capitals."""
     commands = []
+    alone = len({record["scene"] for record in records}) == 1
     for record in records:
         command = record["command"]
         for option, word in (("--seed", "SEED"), ("--preset", "PRESET"), ("-o", "RUN")):
             command = re.sub(rf"(?<=\s){option}[ =]\S+", f"{option} {word}", command)
         scene = re.escape(record["scene"])
-        command = re.sub(rf"(?<!\S)(\S*/)?{scene}/?(?!\S)", "SCENE", command)
+        name = record["scene"] if alone else "SCENE"
+        command = re.sub(rf"(?<!\S)(\S*/)?{scene}/?(?!\S)", name, command)
         if command not in commands:
             commands.append(command)
     return "; ".join(commands)
+
+
+def rounded(value):
+    """What is measured has no more digits than that."""
+    return round(value, 4) if isinstance(value, float) else value
 
 
 def row_of(scene, preset, records):
@@ -88,7 +95,7 @@ def row_of(scene, preset, records):
             raise ValueError(f"{scene} {preset}: {field} is null for some seeds only")
         if key in MAY_BE_ABSENT and None in values:
             continue
-        row[key] = None if None in values else values
+        row[key] = None if None in values else [rounded(value) for value in values]
     return row
 
 

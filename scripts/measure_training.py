@@ -84,7 +84,7 @@ def measure(tessera, scene, preset, seed, options, split, boxes):
     return {
         "name": preset, "scene": pathlib.Path(scene).name, "preset": preset, "seed": seed,
         "options": options,
-        "command": " ".join(command[:3] + ["-o", "RUN"] + command[5:]),
+        "command": " ".join(["tessera", "train", pathlib.Path(scene).name, "-o", "RUN", *command[5:]]),
         "device": trained["device"].removeprefix("cuda, "),
         "seconds": trained["seconds"], "stages": stages,
         "ratio": trained["seconds"] / stages if stages > 0 else None,

@@ -128,16 +128,24 @@ class MeasureResults(unittest.TestCase):
     def test_groups_by_scene_and_preset_with_seeds_ascending(self):
         result = self.measure([self.record(3), self.record(1), self.record(2),
                                self.record(1, preset="best")], "--presets", "fast")
-        self.assertEqual(result["command"], "tessera train SCENE -o RUN --preset PRESET --seed SEED")
+        self.assertEqual(result["command"], "tessera train room -o RUN --preset PRESET --seed SEED")
         self.assertEqual(result["rows"], [
             {"scene": "room", "preset": "fast", "seeds": [1, 2, 3], "psnr": [27.1, 27.2, 27.3],
              "psnr_moving": None, "psnr_static": None, "ssim": [0.9] * 3, "seconds": [61, 62, 63],
              "num_gaussians": [10] * 3, "shipped_bytes": [100] * 3}])
 
     def test_scenes_may_have_been_trained_with_different_presets(self):
-        rows = self.measure([self.record(1), self.record(1, scene="yard", preset="best")])["rows"]
+        yard = self.record(1, scene="yard", preset="best",
+                           command="tessera train DATA/yard -o r --preset best --seed 1")
+        result = self.measure([self.record(1), yard])
+        self.assertEqual(result["command"], "tessera train SCENE -o RUN --preset PRESET --seed SEED")
+        rows = result["rows"]
         self.assertEqual([(row["scene"], row["preset"]) for row in rows],
                          [("room", "fast"), ("yard", "best")])
+
+    def test_scores_have_four_decimals(self):
+        row = self.measure([self.record(1, psnr=27.123456789)])["rows"][0]
+        self.assertEqual((row["psnr"], row["num_gaussians"]), ([27.1235], [10]))
 
     def test_repeated_measurement_keeps_the_words_of_the_file(self):
         before = {"id": "q", "version": "0.0.1", "commit": "old", "note": "A note.", "columns": ["psnr"], "rows": []}
