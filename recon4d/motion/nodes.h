@@ -10,6 +10,9 @@
 
 namespace tessera {
 
+/// How many nodes there are where nothing says otherwise, and how many for a scene of many limbs.
+constexpr int64_t kFewNodes = 64, kManyNodes = 256;
+
 /// Nodes of a set, at rest.
 struct NodePlan {
   std::vector<Vec3<float>> position;  // [M] world units

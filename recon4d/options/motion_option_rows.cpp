@@ -7,9 +7,11 @@ std::vector<TrainOption> motion_option_rows() {
   return {
       {.key = "motion_nodes",
        .member = &TrainOptions::motion_nodes,
-       .low = 1,
+       .low = 0,
        .high = 1024,
-       .doc = "Largest number of motion nodes, of --motion nodes",
+       .doc =
+           "Largest number of motion nodes, of --motion nodes; 0: 64, and 256 where --motion auto "
+           "has shown that more of them show more",
        .source = "ours; [SC-GS] has 512",
        .group = group::kMotion,
        .unit = Unit::kCount},

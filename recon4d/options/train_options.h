@@ -70,7 +70,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   double min_blending_weight = 0;
   int64_t unseen_interval = 500;
   // motion nodes, of Motion::kNodes
-  int64_t motion_nodes = 64, nodes_from = 1300, node_knots = 100, node_knot_interval = 1500;
+  int64_t motion_nodes = 0, nodes_from = 1300, node_knots = 100, node_knot_interval = 1500;
   double lr_node_translation = 1e-3, lr_node_rotation = 5e-3, lr_node_decay = 0.004;
   double lr_node_logit = 0.01, lr_node_radius = 0.01, node_acceleration = 1e-5;
   double mcmc_noise = 5e5, mcmc_growth = 1.05;

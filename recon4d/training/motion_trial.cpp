@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "recon4d/motion/nodes.h"
 #include "recon4d/training/scene_scale.h"
 #include "recon4d/training/trainer.h"
 #include "recon4d/training/validation.h"
@@ -58,6 +59,13 @@ std::optional<GaussianModel> trained_model(Backend& backend, const Scene& scene,
   return trainer.host_model().clone_values();
 }
 
+/// Of the frames held out, all drawn as the middle of the clip.
+double frozen_psnr(Backend& backend, Scene scene, const TrainOptions& options,
+                   const GaussianModel& model) {
+  for (Frame& frame : scene.frames) frame.time = 0.5;
+  return Validation(backend, scene, options).psnr(model);
+}
+
 }  // namespace
 
 std::string reason_against_trial(const Scene& scene, const TrainOptions& options) {
@@ -98,8 +106,12 @@ std::optional<MotionTrial> try_motion(Backend& backend, const Scene& scene,
   const Validation held_out(backend, small, options);
   trial.dynamic_psnr = held_out.psnr(*dynamic);
   trial.nodes_psnr = held_out.psnr(*nodes);
-  for (Frame& frame : small.frames) frame.time = 0.5;
-  trial.frozen_psnr = held_out.psnr(*nodes);
+  trial.frozen_psnr = frozen_psnr(backend, small, options, *nodes);
+  if (!trial.prefers_nodes() || with_nodes.motion_nodes > 0) return trial;
+  options.motion_nodes = kManyNodes;
+  const std::optional<GaussianModel> many = trained_model(backend, small, options, stop);
+  if (!many) return std::nullopt;
+  trial.many_nodes_psnr = held_out.psnr(*many);
   return trial;
 }
 

@@ -121,8 +121,9 @@ void Trainer::control_nodes() {
     Buffer<float> mean, opacity_logit;
     mean.copy_from(model.static_set.group(kMean).value);
     opacity_logit.copy_from(model.static_set.group(kOpacityLogit).value);
-    const NodePlan plan = plan_nodes(std::as_const(mean).span(),
-                                     std::as_const(opacity_logit).span(), options_.motion_nodes);
+    const NodePlan plan =
+        plan_nodes(std::as_const(mean).span(), std::as_const(opacity_logit).span(),
+                   options_.motion_nodes > 0 ? options_.motion_nodes : kFewNodes);
     start_nodes(backend_, plan, knots, state_);
     gradients_[0] = model.static_set.like(backend_.memory());
   } else if (!model.nodes.empty() && knots > model.nodes.knots) {

@@ -14,6 +14,7 @@
 #include "ingest/files/fnv1a.h"
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
+#include "recon4d/motion/nodes.h"
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/motion_trial.h"
@@ -196,6 +197,14 @@ std::optional<std::string> resolve_budget(const Scene& scene, TrainOptions& opti
       *pixels, options.peak_gaussians);
 }
 
+/// What follows the score of nodes in a sentence.
+std::string said_of_nodes(const MotionTrial& trial) {
+  if (!trial.nodes_move()) return ", which hardly move,";
+  if (!trial.many_nodes_psnr) return "";
+  return fmt::format(" ({:.1f} with {} of them, so there are {})", *trial.many_nodes_psnr,
+                     kManyNodes, trial.prefers_many_nodes() ? kManyNodes : kFewNodes);
+}
+
 }  // namespace
 
 std::vector<std::string> resolve_by_cloud(const Scene& scene, TrainOptions& options) {
@@ -230,11 +239,12 @@ bool resolve_motion(Backend& backend, const Scene& scene,
     options = nodes;
   else
     options.motion = Motion::kPair;
+  if (trial->prefers_many_nodes()) options.motion_nodes = kManyNodes;
   say(fmt::format(
-      "motion: {} frames that neither saw have {:.1f} dB with motion nodes{} and {:.1f} dB with "
-      "dynamic Gaussians, so {}; --motion {} does otherwise",
-      trial->frames, trial->nodes_psnr, trial->nodes_move() ? "" : ", which hardly move,",
-      trial->dynamic_psnr, chosen ? "nodes carry the scene" : "Gaussians are dynamic or static",
+      "motion: {} frames held out have {:.1f} dB with motion nodes{} and {:.1f} dB with dynamic "
+      "Gaussians, so {}; --motion {} does otherwise",
+      trial->frames, trial->nodes_psnr, said_of_nodes(*trial), trial->dynamic_psnr,
+      chosen ? "nodes carry the scene" : "Gaussians are dynamic or static",
       chosen ? "pair" : "nodes"));
   return true;
 }

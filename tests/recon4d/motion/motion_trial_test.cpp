@@ -2,6 +2,7 @@
 // a trial, and a stop.
 #include <gtest/gtest.h>
 
+#include "recon4d/motion/nodes.h"
 #include "recon4d/training/motion_trial.h"
 #include "tests/support/travelling_camera.h"
 
@@ -62,6 +63,29 @@ TEST(MotionTrial, NodesForABodyThatTurns) {
   EXPECT_GT(trial.nodes_psnr, trial.dynamic_psnr + 1);
   EXPECT_GT(trial.nodes_psnr, trial.frozen_psnr + 3);
   EXPECT_EQ(trial.frames, 7) << "a share of 0.15";
+  EXPECT_FALSE(trial.many_nodes_psnr) << "their number is stated";
+}
+
+// Bug put back: the third training with the nodes of the second; seen to fail.
+TEST(MotionTrial, TriesManyNodesWhereTheirNumberIsLeftToIt) {
+  const std::unique_ptr<Backend> backend = make_cpu_backend();
+  const Scene scene = travelling_camera(turning_truth(3, {0.3, 0.2, 0}), 24, 12);
+  TrainOptions options = trial_options();
+  options.motion_nodes = 0;
+  options.init_points = options.max_gaussians = 4 * (kFewNodes + 20);
+  const auto trial = try_motion(*backend, scene, options, [] { return false; });
+  ASSERT_TRUE(trial && trial->many_nodes_psnr);
+  EXPECT_NE(*trial->many_nodes_psnr, trial->nodes_psnr);
+}
+
+TEST(MotionTrial, ManyNodesNeedALead) {
+  MotionTrial trial;
+  trial.nodes_psnr = 30;
+  EXPECT_FALSE(trial.prefers_many_nodes()) << "not tried";
+  trial.many_nodes_psnr = 30.2;
+  EXPECT_FALSE(trial.prefers_many_nodes());
+  trial.many_nodes_psnr = 30.4;
+  EXPECT_TRUE(trial.prefers_many_nodes());
 }
 
 // Bug put back: both trained with nodes; seen to fail.
