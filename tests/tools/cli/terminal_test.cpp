@@ -1,6 +1,7 @@
 // The bytes that messages and progress bars write to a terminal, with a pseudo-terminal as stderr.
 #include "tools/cli/terminal.h"
 
+#include <CLI/CLI.hpp>
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <pty.h>
