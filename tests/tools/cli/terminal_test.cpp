@@ -1,7 +1,6 @@
 // The bytes that messages and progress bars write to a terminal, with a pseudo-terminal as stderr.
 #include "tools/cli/terminal.h"
 
-#include <CLI/CLI.hpp>
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <pty.h>
@@ -10,6 +9,8 @@
 #include <algorithm>
 #include <thread>
 #include <vector>
+
+#include "tools/cli/usage_message.h"
 
 namespace tessera {
 namespace {
