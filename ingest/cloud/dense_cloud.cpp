@@ -1,11 +1,12 @@
-// Tries random pixels in rounds until there are enough points. Static points are limited to one a
+// Tries random pixels in rounds, no larger than what is missing asks for, until there are enough
+// points. Static points are limited to one a
 // voxel, moving points to one a voxel and timestep.
 #include "ingest/cloud/dense_cloud.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <set>
-#include <tuple>
+#include <unordered_set>
 
 #include "ingest/cloud/plane_sweep.h"
 #include "kernels/base/parallel.h"
@@ -22,14 +23,34 @@ class Voxels {
     const int level = int(std::floor(std::log2(point.pixel))) + 1;
     const auto cell = [&](float x) { return int64_t(std::floor(std::ldexp(double(x), -level))); };
     return taken_
-        .emplace(level, cell(point.position.x), cell(point.position.y), cell(point.position.z),
-                 point.still ? -1 : timestep)
+        .insert({level, cell(point.position.x), cell(point.position.y), cell(point.position.z),
+                 point.still ? -1 : timestep})
         .second;
   }
 
  private:
-  std::set<std::tuple<int, int64_t, int64_t, int64_t, int64_t>> taken_;
+  using Cell = std::array<int64_t, 5>;
+  struct Hash {
+    size_t operator()(const Cell& cell) const {
+      uint64_t hash = 0;
+      for (const int64_t value : cell) {
+        hash = (hash ^ uint64_t(value)) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 32;
+      }
+      return size_t(hash);
+    }
+  };
+  std::unordered_set<Cell, Hash> taken_;
 };
+
+/// Tries of the next round: as many as what is missing needs by the yield so far, and some more.
+int64_t round_size(int64_t missing, int64_t found, int64_t tried) {
+  constexpr int64_t kFewest = 256, kMost = 8192;
+  constexpr double kFirstYield = 0.5, kLeastYield = 0.02, kMore = 1.1;
+  const double yield =
+      tried == 0 ? kFirstYield : std::max(kLeastYield, double(found) / double(tried));
+  return std::clamp(int64_t(kMore * double(missing) / yield), kFewest, kMost);
+}
 
 /// The first of a few random pixels that belongs to the part.
 std::optional<SweptPoint> attempt(const PlaneSweep& sweep, const CloudOptions& options,
@@ -53,14 +74,15 @@ std::optional<SweptPoint> attempt(const PlaneSweep& sweep, const CloudOptions& o
 }  // namespace
 
 std::vector<SweptPoint> dense_points(const PlaneSweep& sweep, const CloudOptions& options) {
-  constexpr int64_t kRound = 8192, kGrain = 64;  // pixels
+  constexpr int64_t kGrain = 16;  // pixels
   std::vector<SweptPoint> points;
   if (sweep.frames().empty()) return points;
   Voxels voxels;
   std::vector<std::optional<SweptPoint>> found;
   const int64_t tries = kTriesAPoint * options.points;
-  for (int64_t begin = 0; begin < tries; begin += kRound) {
-    found.resize(size_t(std::min(kRound, tries - begin)));
+  for (int64_t begin = 0; begin < tries; begin += int64_t(found.size())) {
+    const auto have = int64_t(points.size());
+    found.resize(size_t(std::min(round_size(options.points - have, have, begin), tries - begin)));
     if (options.progress) options.progress(int64_t(points.size()));
     parallel_for(int64_t(found.size()), kGrain, [&](int64_t from, int64_t to) {
       for (int64_t i = from; i < to; ++i) found[size_t(i)] = attempt(sweep, options, begin + i);

@@ -11,7 +11,6 @@
 
 #include "ingest/clocks/timesteps.h"
 #include "ingest/files/point_cloud.h"
-#include "ingest/prepared/scene_reader.h"
 #include "kernels/base/seconds_since.h"
 
 namespace tessera {
@@ -20,15 +19,6 @@ namespace {
 constexpr int64_t kFewestCameras = 3;  // that a depth is agreed on by
 
 using Clock = std::chrono::steady_clock;
-
-Scene load(const std::filesystem::path& folder,
-           std::optional<std::vector<int64_t>> timesteps = std::nullopt) {
-  SceneOptions options;
-  options.allow_static = true;
-  options.load_pixels = timesteps.has_value();
-  options.timesteps = std::move(timesteps);
-  return load_scene(folder, options);
-}
 
 /// Timesteps whose training images fit into the memory that the sweep may take.
 int64_t timesteps_in_memory(const Scene& scene, const std::vector<Timestep>& timesteps) {
@@ -56,38 +46,55 @@ std::vector<Timestep> shared_timesteps(const Scene& scene) {
   return timesteps;
 }
 
-/// A scene on disk by its shared timesteps, which count from 0 here.
+/// The frames of a clip by its shared timesteps, which count from 0 here.
 class Clip {
  public:
-  explicit Clip(const std::filesystem::path& folder)
-      : folder_(folder), listed_(load(folder)), timesteps_(shared_timesteps(listed_)) {}
+  explicit Clip(const CloudFrames& frames)
+      : frames_(frames), timesteps_(shared_timesteps(frames.listed())) {}
   bool has_rig() const {
     return std::any_of(timesteps_.begin(), timesteps_.end(), [](const Timestep& timestep) {
       return int64_t(timestep.frames.size()) >= kFewestCameras;
     });
   }
   std::vector<int64_t> keys() const {
-    return key_timesteps(count(), timesteps_in_memory(listed_, timesteps_));
+    return key_timesteps(count(), timesteps_in_memory(frames_.listed(), timesteps_));
   }
   /// The frames of these timesteps.
   Scene loaded(const std::vector<int64_t>& places) const {
     std::vector<int64_t> numbers;
     for (const int64_t place : places) numbers.push_back(timesteps_.at(size_t(place)).number);
-    return load(folder_, std::move(numbers));
-  }
-  /// Those before and after, as far as there are any.
-  std::vector<int64_t> beside(int64_t place) const {
-    std::vector<int64_t> places;
-    if (place > 0) places.push_back(place - 1);
-    if (place + 1 < count()) places.push_back(place + 1);
-    return places;
+    return frames_.at(numbers);
   }
   int64_t count() const { return int64_t(timesteps_.size()); }
 
  private:
-  std::filesystem::path folder_;
-  Scene listed_;  // without pixels
+  const CloudFrames& frames_;
   std::vector<Timestep> timesteps_;
+};
+
+/// A timestep and those beside it, each loaded once while the timesteps ascend.
+class Window {
+ public:
+  explicit Window(const Clip& clip) : clip_(clip) {}
+  void move_to(int64_t place) {
+    place_ = place;
+    std::erase_if(scenes_, [&](const auto& scene) { return scene.first < place - 1; });
+    for (int64_t i = std::max<int64_t>(place - 1, 0); i <= place + 1 && i < clip_.count(); ++i)
+      if (!scenes_.contains(i)) scenes_.emplace(i, clip_.loaded({i}));
+  }
+  const Scene& here() const { return scenes_.at(place_); }
+  /// Those before and after, as far as there are any.
+  std::vector<const Scene*> beside() const {
+    std::vector<const Scene*> scenes;
+    for (const auto& [place, scene] : scenes_)
+      if (place != place_) scenes.push_back(&scene);
+    return scenes;
+  }
+
+ private:
+  const Clip& clip_;
+  int64_t place_ = 0;
+  std::map<int64_t, Scene> scenes_;
 };
 
 /// What moves at a timestep, with velocities.
@@ -95,48 +102,46 @@ class MovingPoints {
  public:
   MovingPoints(const Clip& clip, const CloudOptions& options,
                std::shared_ptr<const StillPixels> still_pixels, RigCloud& cloud)
-      : clip_(clip), options_(options), still_pixels_(std::move(still_pixels)), cloud_(cloud) {
+      : window_(clip), options_(options), still_pixels_(std::move(still_pixels)), cloud_(cloud) {
     options_.part = CloudPart::kMoving;
     options_.progress = nullptr;
   }
+  /// `place`: greater than that of the call before.
   std::vector<SweptPoint> at(int64_t place, int64_t most) {
     options_.points = most;
     options_.seed += 1;
     const Clock::time_point start = Clock::now();
-    const Scene scene = clip_.loaded({place});
-    PlaneSweep sweep(scene, still_pixels_);
-    const std::vector<int64_t> places = clip_.beside(place);
-    const Scene around = places.empty() ? Scene{} : clip_.loaded(places);
+    window_.move_to(place);
+    PlaneSweep sweep(window_.here(), still_pixels_);
     cloud_.sweep_seconds += seconds_since(start);
     VelocityCount count;
-    std::vector<SweptPoint> points = found(sweep, around, count);
+    std::vector<SweptPoint> points = found(sweep, count);
     // where clocks differ, more of what moves is found once it is known how some of it does
     constexpr int kRounds = 2;
     for (int round = 0; round < kRounds && sweep.expect_motion_of(points); ++round)
-      points = found(sweep, around, count);
+      points = found(sweep, count);
     cloud_.velocities.moving += count.moving;
     cloud_.velocities.reliable += count.reliable;
     return points;
   }
 
  private:
-  std::vector<SweptPoint> found(const PlaneSweep& sweep, const Scene& around,
-                                VelocityCount& count) {
+  std::vector<SweptPoint> found(const PlaneSweep& sweep, VelocityCount& count) {
     count = {};
     Clock::time_point start = Clock::now();
     std::vector<SweptPoint> points = dense_points(sweep, options_);
     cloud_.sweep_seconds += seconds_since(start);
     start = Clock::now();
-    if (!points.empty() && !around.frames.empty()) {
+    if (!points.empty() && !window_.beside().empty()) {
       std::vector<SweptPoint*> all;
       for (SweptPoint& point : points) all.push_back(&point);
-      count = find_velocities(sweep, around, all);
+      count = find_velocities(sweep, window_.beside(), all);
     }
     cloud_.velocity_seconds += seconds_since(start);
     return points;
   }
 
-  const Clip& clip_;
+  Window window_;
   CloudOptions options_;
   std::shared_ptr<const StillPixels> still_pixels_;
   RigCloud& cloud_;
@@ -189,9 +194,9 @@ double changing_share(const PlaneSweep& sweep) {
 
 }  // namespace
 
-RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& options) {
+RigCloud rig_cloud(const CloudFrames& frames, const CloudOptions& options) {
   RigCloud cloud;
-  const Clip clip(folder);
+  const Clip clip(frames);
   if (!clip.has_rig()) return cloud;
   const std::vector<int64_t> keys = clip.keys(), motion_keys = motion_timesteps(clip.count());
   cloud.key_timesteps = int64_t(keys.size());
@@ -254,7 +259,7 @@ void add_initial_cloud(const std::filesystem::path& folder, const IngestOptions&
   cloud.points = options.cloud_points;
   cloud.progress = [&](int64_t done) { progress("initial cloud", done, options.cloud_points); };
   cloud.progress(0);
-  const RigCloud found = rig_cloud(folder, cloud);
+  const RigCloud found = rig_cloud(FolderFrames(folder), cloud);
   if (found.points.position.empty())
     capture.warnings.push_back(
         fmt::format("no dense cloud: {}; the training starts from {}",

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "ingest/capture/capture.h"
+#include "ingest/cloud/cloud_frames.h"
 #include "ingest/cloud/dense_cloud.h"
 #include "ingest/cloud/point_velocities.h"
 #include "ingest/ingest.h"
@@ -23,12 +24,12 @@ struct RigCloud {
   double sweep_seconds = 0, velocity_seconds = 0;
 };
 
-/// The cloud of the training frames of the scene in `folder`, which load_scene can read; its own
-/// points are not looked at. At most half of the points move, an equal number at each of
-/// motion_timesteps(). Images of the key timesteps (key_timesteps(), as many as fit into 2 GiB, 2
-/// at least) and of three more are in memory at a time. Empty when no three training cameras share
-/// a timestep. The same for any number of threads. Errors: as load_scene.
-RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& options);
+/// The cloud of the training frames; points that their scene has are not looked at. At most half of
+/// the points move, an equal number at each of motion_timesteps(). Images of the key timesteps
+/// (key_timesteps(), as many as fit into 2 GiB, 2 at least) and of three more are asked for at a
+/// time. Empty when no three training cameras share a timestep. The same for any number of threads.
+/// Errors: as load_scene.
+RigCloud rig_cloud(const CloudFrames& frames, const CloudOptions& options);
 
 /// One line: how many points and timesteps, how many move, how many of these have a velocity.
 std::string summary(const RigCloud& cloud);

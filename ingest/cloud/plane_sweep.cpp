@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 
 #include "ingest/clocks/timesteps.h"
+#include "kernels/base/parallel.h"
 
 namespace tessera {
 namespace {
@@ -146,6 +147,18 @@ PlaneSweep::PlaneSweep(const Scene& scene, std::shared_ptr<const StillPixels> st
       still_pixels_(std::move(still_pixels)) {
   for (const Timestep& timestep : training_timesteps(scene))
     if (timestep.frames.size() >= 3) choose_neighbours(timestep.frames);
+  for (const int frame : usable_) {
+    grey_[frame] = {};
+    light_[frame] = {};
+  }
+  parallel_for(int64_t(usable_.size()), 1, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      const int index = usable_[size_t(i)];
+      const Frame& frame = scene.frames[size_t(index)];
+      grey_.at(index) = grey_image(frame.image);
+      light_.at(index) = still_pixels_->light_of(frame);
+    }
+  });
 }
 
 /// The cameras that stand nearest: the more they differ, the less they see of the same side.
@@ -161,8 +174,6 @@ void PlaneSweep::choose_neighbours(const std::vector<int>& frames) {
     others.resize(std::min(others.size(), kNeighbours));
     for (const auto& [distance, other] : others) neighbours_[frame].push_back(other);
     usable_.push_back(frame);
-    grey_.emplace(frame, grey_image(scene_.frames[size_t(frame)].image));
-    light_.emplace(frame, still_pixels_->light_of(scene_.frames[size_t(frame)]));
   }
 }
 

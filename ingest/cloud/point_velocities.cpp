@@ -45,38 +45,52 @@ struct Estimate {
 /// The frames of a key timestep with what lies beside them in time.
 class Views {
  public:
-  Views(const PlaneSweep& sweep, const Scene& around, const std::vector<SweptPoint*>& points);
+  Views(const PlaneSweep& sweep, const std::vector<const Scene*>& around,
+        const std::vector<SweptPoint*>& points);
 
   /// Normalised time from a timestep to the next.
   double timestep() const { return timestep_; }
-  PointMotion motion(const SweptPoint& point) const;
+  /// The size of a pixel at the point of this number, world units.
+  double pixel(size_t i) const { return points_[i]->pixel; }
+  /// Of the point of this number.
+  PointMotion motion(size_t i) const;
 
  private:
-  void add_others(const Frame& key, const Scene& around, MotionView& view);
+  void add_others(const Frame& key, const std::vector<const Scene*>& around, MotionView& view);
 
   const PlaneSweep& sweep_;
+  const std::vector<SweptPoint*>& points_;
+  std::vector<std::vector<int>> agreeing_;                       // frames, of each point
   std::map<int, MotionView> view_;                               // by frame of the sweep
   std::map<const Frame*, std::unique_ptr<GreyPyramid>> images_;  // of all of them
   double timestep_ = 1;
 };
 
 /// The nearest frames of the camera before and after, with their distance in time for now.
-void Views::add_others(const Frame& key, const Scene& around, MotionView& view) {
+void Views::add_others(const Frame& key, const std::vector<const Scene*>& around,
+                       MotionView& view) {
   const Frame *before = nullptr, *after = nullptr;
-  for (const Frame& frame : around.frames) {
-    if (frame.split != Split::kTrain || frame.camera_name != key.camera_name) continue;
+  const auto consider = [&](const Frame& frame) {
+    if (frame.split != Split::kTrain || frame.camera_name != key.camera_name) return;
     if (frame.time < key.time && (before == nullptr || frame.time > before->time)) before = &frame;
     if (frame.time > key.time && (after == nullptr || frame.time < after->time)) after = &frame;
-  }
+  };
+  for (const Scene* scene : around)
+    for (const Frame& frame : scene->frames) consider(frame);
   for (const Frame* frame : {before, after})
     if (frame != nullptr) view.others.push_back({frame, nullptr, frame->time - key.time});
 }
 
-Views::Views(const PlaneSweep& sweep, const Scene& around, const std::vector<SweptPoint*>& points)
-    : sweep_(sweep) {
+Views::Views(const PlaneSweep& sweep, const std::vector<const Scene*>& around,
+             const std::vector<SweptPoint*>& points)
+    : sweep_(sweep), points_(points), agreeing_(points.size()) {
+  parallel_for(int64_t(points.size()), kGrain, [&](int64_t begin, int64_t end) {
+    for (auto i = size_t(begin); i < size_t(end); ++i)
+      agreeing_[i] = sweep.agreeing_frames(*points[i]);
+  });
   std::vector<double> steps;
-  for (const SweptPoint* point : points)
-    for (int index : sweep.agreeing_frames(*point)) {
+  for (const std::vector<int>& agreeing : agreeing_)
+    for (const int index : agreeing) {
       const Frame& key = sweep.scene().frames[size_t(index)];
       const auto [at, is_new] = view_.try_emplace(index, MotionView{&key, nullptr, {}});
       if (!is_new) continue;
@@ -105,10 +119,11 @@ Views::Views(const PlaneSweep& sweep, const Scene& around, const std::vector<Swe
   }
 }
 
-PointMotion Views::motion(const SweptPoint& point) const {
+PointMotion Views::motion(size_t i) const {
+  const SweptPoint& point = *points_[i];
   std::vector<MotionView> views;
   const double time = sweep_.scene().frames[size_t(point.frame)].time;
-  for (int index : sweep_.agreeing_frames(point)) {
+  for (const int index : agreeing_[i]) {
     views.push_back(view_.at(index));
     views.back().offset =
         place_at(point, views.back().key->time - time) - glm::dvec3(point.position);
@@ -126,8 +141,7 @@ bool is_reliable(const MotionScore& score, const MotionScore& at_rest, double pi
 /// The search of one point over given starts, pixels at the point.
 class Search {
  public:
-  Search(const Views& views, const SweptPoint& point)
-      : pixel_(point.pixel), motion_(views.motion(point)) {}
+  Search(const Views& views, size_t i) : pixel_(views.pixel(i)), motion_(views.motion(i)) {}
 
   void from(const glm::dvec3& displacement, int coarsest, Estimate& best) const {
     const glm::dvec3 found = motion_.refined(displacement / pixel_, coarsest);
@@ -148,8 +162,8 @@ class Search {
   PointMotion motion_;
 };
 
-Estimate from_rest(const Views& views, const SweptPoint& point) {
-  const Search search(views, point);
+Estimate from_rest(const Views& views, size_t i) {
+  const Search search(views, i);
   Estimate best{glm::dvec3(0), search.at_rest(), false};
   for (int coarsest : {kPyramidLevels - 1, 1}) search.from(glm::dvec3(0), coarsest, best);
   search.judge(best);
@@ -157,13 +171,13 @@ Estimate from_rest(const Views& views, const SweptPoint& point) {
 }
 
 /// The best of `before` and what is reached from the likeliest of the neighbours' displacements.
-Estimate from_neighbours(const Views& views, const SweptPoint& point, const Estimate& before,
+Estimate from_neighbours(const Views& views, size_t i, const Estimate& before,
                          const std::vector<glm::dvec3>& displacements) {
   if (displacements.empty()) return before;
-  const Search search(views, point);
+  const Search search(views, i);
   std::vector<std::pair<double, size_t>> starts;
-  for (size_t i = 0; i < displacements.size(); ++i)
-    starts.emplace_back(search.difference(displacements[i]), i);
+  for (size_t k = 0; k < displacements.size(); ++k)
+    starts.emplace_back(search.difference(displacements[k]), k);
   std::sort(starts.begin(), starts.end());
   Estimate best = before;
   search.from(displacements[starts[0].second], 1, best);
@@ -239,7 +253,7 @@ std::vector<glm::dvec3> Motions::reliable_around(size_t i) const {
 }
 
 void Motions::search_from_rest() {
-  for_all([&](size_t i) { return from_rest(views_, *points_[i]); });
+  for_all([&](size_t i) { return from_rest(views_, i); });
 }
 
 void Motions::search_from_neighbours() {
@@ -247,7 +261,7 @@ void Motions::search_from_neighbours() {
     std::vector<glm::dvec3> starts = reliable_around(i);
     starts.resize(std::min(starts.size(), size_t(kStarts)));
     if (starts.size() > 1) starts.push_back(median_of(starts));
-    return from_neighbours(views_, *points_[i], estimates_[i], starts);
+    return from_neighbours(views_, i, estimates_[i], starts);
   });
 }
 
@@ -263,7 +277,7 @@ std::optional<glm::dvec3> Motions::lent(size_t i, const std::vector<glm::dvec3>&
     return alike(displacement, other, points_[i]->pixel);
   });
   if (double(same) < kLendersAlike * double(around.size())) return std::nullopt;
-  const Search search(views_, *points_[i]);
+  const Search search(views_, i);
   if (search.difference(displacement) >= search.at_rest().difference) return std::nullopt;
   return displacement;
 }
@@ -282,7 +296,7 @@ std::optional<glm::dvec3> Motions::agreed(size_t i) const {
 
 }  // namespace
 
-VelocityCount find_velocities(const PlaneSweep& sweep, const Scene& around,
+VelocityCount find_velocities(const PlaneSweep& sweep, const std::vector<const Scene*>& around,
                               const std::vector<SweptPoint*>& points) {
   std::vector<SweptPoint*> moving;
   for (SweptPoint* point : points)

@@ -13,8 +13,9 @@ struct VelocityCount {
 };
 
 /// Sets SweptPoint::velocity, world units per unit of normalised time, of the moving points among
-/// `points`, which share a timestep of `sweep`. `around` holds the training frames of the timesteps
-/// beside that one: of each camera the nearest frame before and the nearest after count.
+/// `points`, which share a timestep of `sweep`. The scenes of `around` hold the training frames of
+/// the timesteps beside that one: of each camera the nearest frame before and the nearest after
+/// count.
 ///
 /// Each point's displacement in a timestep is searched from rest, at several levels of the pyramids
 /// (PointMotion), and again from what its neighbours found; the one that differs least from the
@@ -25,7 +26,7 @@ struct VelocityCount {
 /// median of those of the neighbours that agree with it. A point without a reliable one takes what
 /// its neighbours agree on, where that explains the images better than rest. The same for any
 /// number of threads.
-VelocityCount find_velocities(const PlaneSweep& sweep, const Scene& around,
+VelocityCount find_velocities(const PlaneSweep& sweep, const std::vector<const Scene*>& around,
                               const std::vector<SweptPoint*>& points);
 
 }  // namespace tessera

@@ -5,6 +5,7 @@
 
 #include "ingest/cloud/patch.h"
 #include "kernels/base/median.h"
+#include "kernels/base/parallel.h"
 
 namespace tessera {
 namespace {
@@ -44,15 +45,18 @@ StillPixels::StillPixels(const Scene& over_time) {
     const Frame& frame = over_time.frames[size_t(i)];
     frames[frame.camera_name].push_back(&frame);
   }
+  std::vector<Sight*> sights;
   for (const auto& [camera, all] : frames) {
     const auto total = int64_t(all.size()), count = std::min(total, kMostSights);
-    std::vector<Sight>& sights = cameras_[camera];
-    for (int64_t i = 0; i < count; ++i) {
-      const Frame* frame = all[size_t(even_spread(i, count, total))];
-      sights.push_back({frame, {1, 1, 1}});
-      sights.back().light = light_of(*frame);
-    }
+    for (int64_t i = 0; i < count; ++i)
+      cameras_[camera].push_back({all[size_t(even_spread(i, count, total))], {1, 1, 1}});
   }
+  for (auto& [camera, of_camera] : cameras_)
+    for (Sight& sight : of_camera) sights.push_back(&sight);
+  parallel_for(int64_t(sights.size()), 1, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i)
+      sights[size_t(i)]->light = light_of(*sights[size_t(i)]->frame);
+  });
 }
 
 LightRatio StillPixels::light_of(const Frame& frame) const {

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <map>
 #include <mutex>
+#include <numeric>
 
 #include "ingest/clocks/timesteps.h"
 #include "ingest/files/png.h"
@@ -35,8 +36,9 @@ void require_png(const std::filesystem::path& file, const std::string& where) {
 /// The masks that frames name, each file read once.
 class MaskFiles {
  public:
-  MaskFiles(const TransformsCapture& capture, bool load_pixels) : load_pixels_(load_pixels) {
-    for (const TransformsFrame& frame : capture.frames)
+  MaskFiles(const std::vector<TransformsFrame>& frames, bool load_pixels)
+      : load_pixels_(load_pixels) {
+    for (const TransformsFrame& frame : frames)
       if (!frame.mask.empty()) files_.try_emplace(frame.mask);
   }
 
@@ -97,41 +99,31 @@ Clocks clocks_of(const TransformsCapture& capture, std::vector<double> time) {
   return {std::move(time), timestep_numbers(frames)};
 }
 
-/// Leaves these frames, with their times.
-void keep(TransformsCapture& capture, Clocks& clocks, const std::vector<int>& kept) {
-  std::vector<TransformsFrame> frames;
-  Clocks of_kept;
-  for (int i : kept) {
-    frames.push_back(std::move(capture.frames[size_t(i)]));
-    of_kept.time.push_back(clocks.time[size_t(i)]);
-    of_kept.timestep.push_back(clocks.timestep[size_t(i)]);
-  }
-  capture.frames = std::move(frames);
-  clocks = std::move(of_kept);
-}
-
-std::vector<int> frames_of(const TransformsCapture& capture, Split split) {
+/// Numbers of the frames of a split among `chosen`.
+std::vector<int> frames_of(const std::vector<TransformsFrame>& frames,
+                           const std::vector<int>& chosen, Split split) {
   std::vector<int> found;
-  for (size_t i = 0; i < capture.frames.size(); ++i)
-    if (capture.frames[i].split == split) found.push_back(int(i));
+  for (const int i : chosen)
+    if (frames[size_t(i)].split == split) found.push_back(i);
   return found;
 }
 
-void keep_held_out(TransformsCapture& capture, Clocks& clocks, int64_t count) {
+std::vector<int> held_out_of(const std::vector<TransformsFrame>& frames,
+                             const std::vector<int>& chosen, int64_t count) {
   std::vector<int> all;
   for (Split split : {Split::kTest, Split::kVal, Split::kTrain})
-    if (all.empty()) all = frames_of(capture, split);
+    if (all.empty()) all = frames_of(frames, chosen, split);
   const int64_t number = std::min(count, int64_t(all.size()));
   std::vector<int> kept;
   for (int64_t i = 0; i < number; ++i)
     kept.push_back(all[size_t((2 * i + 1) * int64_t(all.size()) / (2 * number))]);
-  keep(capture, clocks, kept);
+  return kept;
 }
 
 /// Whether all frames of a camera are seen from one place.
-bool stands_still(const TransformsCapture& capture, const std::string& camera) {
+bool stands_still(const std::vector<TransformsFrame>& frames, const std::string& camera) {
   const Camera* first = nullptr;
-  for (const TransformsFrame& frame : capture.frames) {
+  for (const TransformsFrame& frame : frames) {
     if (frame.camera_name != camera) continue;
     if (first != nullptr && !(frame.camera == *first)) return false;
     first = &frame.camera;
@@ -140,47 +132,48 @@ bool stands_still(const TransformsCapture& capture, const std::string& camera) {
 }
 
 /// [frames] whether a frame's pixels are loaded.
-std::vector<bool> frames_with_pixels(const TransformsCapture& capture,
+std::vector<bool> frames_with_pixels(const std::vector<TransformsFrame>& frames,
                                      const SceneOptions& options) {
-  std::vector<bool> loaded(capture.frames.size(), options.load_pixels);
+  std::vector<bool> loaded(frames.size(), options.load_pixels);
   if (!options.load_pixels || !options.pixels_of) return loaded;
   const std::vector<Split>& splits = *options.pixels_of;
   std::map<std::string, bool> whole;  // by name of the camera
   for (size_t i = 0; i < loaded.size(); ++i) {
-    const TransformsFrame& frame = capture.frames[i];
+    const TransformsFrame& frame = frames[i];
     loaded[i] = std::find(splits.begin(), splits.end(), frame.split) != splits.end();
     if (loaded[i] && !whole.contains(frame.camera_name))
-      whole[frame.camera_name] = stands_still(capture, frame.camera_name);
+      whole[frame.camera_name] = stands_still(frames, frame.camera_name);
   }
   for (size_t i = 0; i < loaded.size(); ++i) {
-    const auto camera = whole.find(capture.frames[i].camera_name);
+    const auto camera = whole.find(frames[i].camera_name);
     if (camera != whole.end() && camera->second) loaded[i] = true;
   }
   return loaded;
 }
 
-/// Leaves the training frames of the timesteps of these numbers, in their order.
-void keep_timesteps(TransformsCapture& capture, Clocks& clocks,
-                    const std::vector<int64_t>& numbers) {
-  const std::vector<int> training = frames_of(capture, Split::kTrain);
+/// The training frames of the timesteps of these numbers, in the order of the timesteps.
+std::vector<int> frames_at(const std::vector<TransformsFrame>& frames, const Clocks& clocks,
+                           const std::vector<int>& chosen, const std::vector<int64_t>& numbers) {
+  const std::vector<int> training = frames_of(frames, chosen, Split::kTrain);
   std::vector<int> kept;
   for (const int64_t number : numbers)
     for (const int i : training)
       if (clocks.timestep[size_t(i)] == number) kept.push_back(i);
-  keep(capture, clocks, kept);
+  return kept;
 }
 
 /// All frames in parallel; the error that is reported is the first in file order.
-void load_frames(const TransformsCapture& capture, const SceneOptions& options, Scene& scene) {
-  const size_t count = capture.frames.size();
+void load_frames(const std::vector<TransformsFrame>& frames, const SceneOptions& options,
+                 Scene& scene) {
+  const size_t count = frames.size();
   scene.frames.resize(count);
   std::vector<std::string> errors(count);
   std::atomic<bool> had_alpha{false};
-  const std::vector<bool> with_pixels = frames_with_pixels(capture, options);
-  MaskFiles masks(capture, options.load_pixels);
+  const std::vector<bool> with_pixels = frames_with_pixels(frames, options);
+  MaskFiles masks(frames, options.load_pixels);
   parallel_for(int64_t(count), 1, [&](int64_t begin, int64_t end) {
     for (size_t i = size_t(begin); i < size_t(end); ++i) try {
-        if (load_frame(capture.frames[i], options, with_pixels[i], masks, scene.frames[i]))
+        if (load_frame(frames[i], options, with_pixels[i], masks, scene.frames[i]))
           had_alpha = true;
       } catch (const InputError& error) {
         errors[i] = error.what();
@@ -223,27 +216,51 @@ void place_world(const std::filesystem::path& folder, TransformsCapture& capture
 
 }  // namespace
 
-Scene load_scene(const std::filesystem::path& folder, const SceneOptions& options) {
-  TransformsCapture capture = read_transforms(folder);
-  Scene scene;
+struct SceneFiles::Listed {
+  TransformsCapture capture;  // in the world of the scene
+  Clocks clocks;
+  Scene scene;  // without frames
+};
+
+SceneFiles::SceneFiles(const std::filesystem::path& folder, bool allow_static) {
+  auto listed = std::make_unique<Listed>();
+  TransformsCapture& capture = listed->capture = read_transforms(folder);
+  Scene& scene = listed->scene;
   scene.path = folder.string();
-  scene.background = options.background;
   scene.warnings = std::move(capture.warnings);
   scene.warnings.insert(scene.warnings.end(), capture.notes.begin(), capture.notes.end());
   place_world(folder, capture, scene);
-  NormalisedTimes times = times_of(capture, options.allow_static);
-  Clocks clocks = clocks_of(capture, std::move(times.time));
-  if (options.timesteps) keep_timesteps(capture, clocks, *options.timesteps);
-  if (options.held_out) keep_held_out(capture, clocks, *options.held_out);
-  load_frames(capture, options, scene);
+  NormalisedTimes times = times_of(capture, allow_static);
   scene.time_axis = times.axis;
   scene.is_static = times.is_static;
-  for (size_t i = 0; i < scene.frames.size(); ++i) {
-    scene.frames[i].time = clocks.time[i];
-    scene.frames[i].timestep = clocks.timestep[i];
+  listed->clocks = clocks_of(capture, std::move(times.time));
+  listed_ = std::move(listed);
+}
+
+SceneFiles::~SceneFiles() = default;
+
+Scene SceneFiles::load(const SceneOptions& options) const {
+  const std::vector<TransformsFrame>& all = listed_->capture.frames;
+  const Clocks& clocks = listed_->clocks;
+  std::vector<int> chosen(all.size());
+  std::iota(chosen.begin(), chosen.end(), 0);
+  if (options.timesteps) chosen = frames_at(all, clocks, chosen, *options.timesteps);
+  if (options.held_out) chosen = held_out_of(all, chosen, *options.held_out);
+  std::vector<TransformsFrame> frames;
+  for (const int i : chosen) frames.push_back(all[size_t(i)]);
+  Scene scene = listed_->scene;
+  scene.background = options.background;
+  load_frames(frames, options, scene);
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    scene.frames[i].time = clocks.time[size_t(chosen[i])];
+    scene.frames[i].timestep = clocks.timestep[size_t(chosen[i])];
   }
   if (!options.held_out) check_splits(scene);
   return scene;
+}
+
+Scene load_scene(const std::filesystem::path& folder, const SceneOptions& options) {
+  return SceneFiles(folder, options.allow_static).load(options);
 }
 
 bool opens_as_scene(const std::filesystem::path& folder) {

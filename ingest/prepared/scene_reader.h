@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,20 @@ struct SceneOptions {
   std::optional<std::vector<int64_t>> timesteps = {};
   std::optional<int64_t> held_out = {};  // N frames of the first split that has some of test, val,
                                          // train
+};
+
+/// A scene whose json and points are read once, and whose frames are read as they are asked for.
+class SceneFiles {
+ public:
+  /// Errors: those of load_scene that come before its images.
+  SceneFiles(const std::filesystem::path& folder, bool allow_static);
+  ~SceneFiles();
+  /// As load_scene, with the allow_static of the constructor. Threads may call it at once.
+  Scene load(const SceneOptions& options) const;
+
+ private:
+  struct Listed;
+  std::unique_ptr<const Listed> listed_;
 };
 
 /// Errors: InputError, one line naming the file and the remedy: missing folder, json without

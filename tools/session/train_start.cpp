@@ -137,10 +137,17 @@ std::vector<std::string> training_warnings(const Scene& scene, const TrainOption
   return warnings;
 }
 
+/// Whether the frames in memory are those of the files, on black.
+bool is_as_filed(const Scene& scene, const TrainOptions& options) {
+  const bool on_black = scene.background == std::array<uint8_t, 3>{0, 0, 0};
+  return options.train_scale == 1 && (on_black || !scene.had_alpha);
+}
+
 std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& options,
                                           std::vector<std::string>& warnings) {
   if (!options.sweep || !scene.points.position.empty()) return std::nullopt;
-  RigCloud cloud = rig_cloud(scene.path, {});
+  RigCloud cloud = is_as_filed(scene, options) ? rig_cloud(SceneFrames(scene), {})
+                                               : rig_cloud(FolderFrames(scene.path), {});
   if (cloud.points.position.empty()) return std::nullopt;
   const std::string found = summary(cloud);
   if (const std::string warning = motion_warning(cloud); !warning.empty())

@@ -24,8 +24,9 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
 std::vector<std::string> training_warnings(const Scene& scene, const TrainOptions& options);
 
 /// Gives a scene without a cloud the one that `tessera ingest` makes by default, unless
-/// options.sweep is off: the rig_cloud() of its folder, in the size of its files and with its
-/// validation frames. A line on what was found; none where nothing was.
+/// options.sweep is off: the rig_cloud() of its frames as they are in the files, with those for
+/// validation; files are read again where frames in memory differ in size or background. A line on
+/// what was found; none where nothing was.
 std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& options,
                                           std::vector<std::string>& warnings);
 

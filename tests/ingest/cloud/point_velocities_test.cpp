@@ -42,7 +42,11 @@ Found found(const WallRig& rig, int64_t key, const std::vector<int64_t>& around)
   std::vector<SweptPoint*> of_key;
   for (SweptPoint& point : result.points)
     if (here.frames[size_t(point.frame)].frame_number == key) of_key.push_back(&point);
-  result.count = find_velocities(sweep, part_of(scene, around), of_key);
+  std::vector<Scene> beside;  // a scene each
+  for (const int64_t timestep : around) beside.push_back(part_of(scene, {timestep}));
+  std::vector<const Scene*> scenes;
+  for (const Scene& one : beside) scenes.push_back(&one);
+  result.count = find_velocities(sweep, scenes, of_key);
   std::erase_if(result.points, [&](const SweptPoint& point) {
     return here.frames[size_t(point.frame)].frame_number != key;
   });

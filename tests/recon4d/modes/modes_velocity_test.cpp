@@ -52,7 +52,8 @@ TEST(Velocities, OfABallBeforeAWall) {
   std::vector<SweptPoint*> middle;
   for (SweptPoint& point : points)
     if (point.time == 0.5f) middle.push_back(&point);
-  find_velocities(sweep, at_timesteps(scene, {5, 7}), middle);
+  const Scene around = at_timesteps(scene, {5, 7});
+  find_velocities(sweep, {&around}, middle);
   std::vector<double> errors;
   int64_t ball = 0;
   for (const SweptPoint* point : middle) {
