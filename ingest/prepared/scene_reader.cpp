@@ -86,19 +86,6 @@ bool load_frame(const TransformsFrame& listed, const SceneOptions& options, bool
   return had_alpha;
 }
 
-/// What is known of the listed frames together.
-struct Clocks {
-  std::vector<double> time;       // normalised
-  std::vector<int64_t> timestep;  // Frame::timestep
-};
-
-Clocks clocks_of(const TransformsCapture& capture, std::vector<double> time) {
-  std::vector<FrameTime> frames;
-  for (size_t i = 0; i < time.size(); ++i)
-    frames.push_back({capture.frames[i].camera_name, time[i], capture.frames[i].split});
-  return {std::move(time), timestep_numbers(frames)};
-}
-
 /// Numbers of the frames of a split among `chosen`.
 std::vector<int> frames_of(const std::vector<TransformsFrame>& frames,
                            const std::vector<int>& chosen, Split split) {
@@ -152,13 +139,14 @@ std::vector<bool> frames_with_pixels(const std::vector<TransformsFrame>& frames,
 }
 
 /// The training frames of the timesteps of these numbers, in the order of the timesteps.
-std::vector<int> frames_at(const std::vector<TransformsFrame>& frames, const Clocks& clocks,
-                           const std::vector<int>& chosen, const std::vector<int64_t>& numbers) {
+std::vector<int> frames_at(const std::vector<TransformsFrame>& frames,
+                           const std::vector<int64_t>& timestep, const std::vector<int>& chosen,
+                           const std::vector<int64_t>& numbers) {
   const std::vector<int> training = frames_of(frames, chosen, Split::kTrain);
   std::vector<int> kept;
   for (const int64_t number : numbers)
     for (const int i : training)
-      if (clocks.timestep[size_t(i)] == number) kept.push_back(i);
+      if (timestep[size_t(i)] == number) kept.push_back(i);
   return kept;
 }
 
@@ -217,9 +205,10 @@ void place_world(const std::filesystem::path& folder, TransformsCapture& capture
 }  // namespace
 
 struct SceneFiles::Listed {
-  TransformsCapture capture;  // in the world of the scene
-  Clocks clocks;
-  Scene scene;  // without frames
+  TransformsCapture capture;      // in the world of the scene
+  std::vector<double> time;       // [frame] normalised
+  std::vector<int64_t> timestep;  // [frame] Frame::timestep
+  Scene scene;                    // without frames
 };
 
 SceneFiles::SceneFiles(const std::filesystem::path& folder, bool allow_static) {
@@ -233,7 +222,11 @@ SceneFiles::SceneFiles(const std::filesystem::path& folder, bool allow_static) {
   NormalisedTimes times = times_of(capture, allow_static);
   scene.time_axis = times.axis;
   scene.is_static = times.is_static;
-  listed->clocks = clocks_of(capture, std::move(times.time));
+  std::vector<FrameTime> frames;
+  for (size_t i = 0; i < times.time.size(); ++i)
+    frames.push_back({capture.frames[i].camera_name, times.time[i], capture.frames[i].split});
+  listed->time = std::move(times.time);
+  listed->timestep = timestep_numbers(frames);
   listed_ = std::move(listed);
 }
 
@@ -241,10 +234,9 @@ SceneFiles::~SceneFiles() = default;
 
 Scene SceneFiles::load(const SceneOptions& options) const {
   const std::vector<TransformsFrame>& all = listed_->capture.frames;
-  const Clocks& clocks = listed_->clocks;
   std::vector<int> chosen(all.size());
   std::iota(chosen.begin(), chosen.end(), 0);
-  if (options.timesteps) chosen = frames_at(all, clocks, chosen, *options.timesteps);
+  if (options.timesteps) chosen = frames_at(all, listed_->timestep, chosen, *options.timesteps);
   if (options.held_out) chosen = held_out_of(all, chosen, *options.held_out);
   std::vector<TransformsFrame> frames;
   for (const int i : chosen) frames.push_back(all[size_t(i)]);
@@ -252,8 +244,8 @@ Scene SceneFiles::load(const SceneOptions& options) const {
   scene.background = options.background;
   load_frames(frames, options, scene);
   for (size_t i = 0; i < chosen.size(); ++i) {
-    scene.frames[i].time = clocks.time[size_t(chosen[i])];
-    scene.frames[i].timestep = clocks.timestep[size_t(chosen[i])];
+    scene.frames[i].time = listed_->time[size_t(chosen[i])];
+    scene.frames[i].timestep = listed_->timestep[size_t(chosen[i])];
   }
   if (!options.held_out) check_splits(scene);
   return scene;
