@@ -129,7 +129,7 @@ TEST_F(ViewedTraining, ItsPageStopsAndResumesIt) {
 // Bug put back: the training alone is resumed; seen to fail.
 TEST_F(ViewedTraining, AWholeRunIsResumed) {
   ChildProcess child(
-      command("run", "out", {"--view", "--iterations", "6000", "--densify-until", "0"}),
+      command("run", "out", {"--view", "--iterations", "20000", "--densify-until", "0"}),
       scratch.path());
   const Page page = shown(child);
   const std::string resume = stopped(child, page)["resume"];
@@ -149,7 +149,7 @@ TEST_F(ViewedTraining, AWholeRunIsResumed) {
 TEST_F(ViewedTraining, ASuccessorIsFollowedToItsPlace) {
   ASSERT_EQ(work.train("run", {"--iterations", "2"}).exit_code, 0);
   const Words words = command(
-      "train", "run", {"--view", "--overwrite", "--iterations", "6000", "--densify-until", "0"});
+      "train", "run", {"--view", "--overwrite", "--iterations", "20000", "--densify-until", "0"});
   ChildProcess child(words, scratch.path());
   const Page page = shown(child);
   EXPECT_EQ(page.state()["name"], "run");
