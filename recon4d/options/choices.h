@@ -12,7 +12,7 @@ namespace tessera {
 
 /// How a scene moves in its model. kAuto is decided before a training starts: kNodes or kPair.
 enum class Motion { kAuto, kNone, kPair, kVelocity, kNodes };
-/// Of each of the two short trainings by which that is decided; images have about as many pixels at
+/// Of each of the short trainings by which that is decided; images have about as many pixels at
 /// most.
 inline constexpr int64_t kTrialIterations = 2000, kTrialBatch = 4, kTrialPixels = 400 * 400;
 enum class Filter3d { kNone, kMip, kClamp };

@@ -73,15 +73,17 @@ SetForm trained_form(Motion motion) {
   return motion == Motion::kNodes ? SetForm::kCanonical : dynamic_form_of(motion);
 }
 
-/// The time of the two short trainings that decide on motion.
+/// The time of the short trainings that decide on motion and, where it is not stated, on the number
+/// of nodes.
 void add_trials(ForecastLoad load, TrainOptions options, TrainForecast& forecast) {
   load.pixels = std::min(load.pixels, kTrialPixels);
   options.motion = Motion::kPair;
   options.iterations = kTrialIterations;
   options.batch = kTrialBatch;
   const TrainForecast trial = forecast_training(load, options);
-  forecast.cpu_seconds += 2 * trial.cpu_seconds;
-  forecast.gpu_seconds += 2 * trial.gpu_seconds;
+  const double trials = options.motion_nodes > 0 ? 2 : 3;
+  forecast.cpu_seconds += trials * trial.cpu_seconds;
+  forecast.gpu_seconds += trials * trial.gpu_seconds;
 }
 
 }  // namespace

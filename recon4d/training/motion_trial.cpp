@@ -1,4 +1,4 @@
-// The small scene of a motion trial, its two trainings and their scores.
+// The small scene of a motion trial, its trainings and their scores.
 #include "recon4d/training/motion_trial.h"
 
 #include <fmt/format.h>

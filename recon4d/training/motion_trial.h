@@ -1,4 +1,4 @@
-// The choice between motion nodes and dynamic Gaussians for a capture, by two short trainings at a
+// The choice between motion nodes and dynamic Gaussians for a capture, by short trainings at a
 // small size and the frames that both hold out.
 #pragma once
 #include <functional>

@@ -74,6 +74,8 @@ class Trainer {
   /// device.
   FrameSample sample_frames();
   const TrainOptions& options() const { return options_; }
+  /// What the removal of Gaussians that no view shows has taken of the steps so far.
+  double unseen_seconds() const { return unseen_seconds_; }
   /// What state().exposure has a row for.
   const ExposureRows& exposed() const { return exposed_; }
 
@@ -123,6 +125,7 @@ class Trainer {
   /// Only with a 3D filter: of the static set every camera once, of the dynamic one every frame.
   ViewBatch<float> filter_views_[2];
   int64_t timesteps_;  // of the training frames
+  double unseen_seconds_ = 0;
   ParameterAverage average_;
   MotionNodes d_nodes_;  // gradients
   Buffer<float> d_environment_;

@@ -2,9 +2,11 @@
 // sizes of the 3D filter, motion nodes.
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
+#include "kernels/base/seconds_since.h"
 #include "recon4d/density/mcmc.h"
 #include "recon4d/density/unseen.h"
 #include "recon4d/motion/nodes.h"
@@ -100,6 +102,7 @@ void Trainer::densify() {
 void Trainer::prune_unseen() {
   constexpr int64_t kEnough = 1024;  // frames of a rig, spread over its cameras and timesteps
   complete_pending();                // the pass takes the place of its images
+  const auto begin = std::chrono::steady_clock::now();
   const SampledViews sampled =
       views_of_training(scene_, kEnough, state_.iteration / options_.unseen_interval);
   const std::array<DensityReport, 2> reports = tessera::prune_unseen(
@@ -108,6 +111,7 @@ void Trainer::prune_unseen() {
   for (int k = 0; k < 2; ++k)
     if (reports[size_t(k)].before > 0)
       observer_.on_density(state_.iteration, k == 0 ? "static" : "dynamic", reports[size_t(k)]);
+  unseen_seconds_ += seconds_since(begin);
 }
 
 void Trainer::control_nodes() {

@@ -238,7 +238,7 @@ bool resolve_motion(Backend& backend, const Scene& scene,
   nodes.near_plane = options.near_plane;
   nodes.validation_share = options.validation_share;
   limit_by_shown_pixels(scene, nodes);
-  say("motion: two short trainings say whether motion nodes or dynamic Gaussians show more");
+  say("motion: short trainings say whether motion nodes or dynamic Gaussians show more");
   const std::optional<MotionTrial> trial = try_motion(backend, scene, nodes, stop);
   if (!trial) return false;
   const bool chosen = trial->prefers_nodes();
