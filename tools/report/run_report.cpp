@@ -68,8 +68,8 @@ void read_stages(const RunRecords& records, const std::vector<json>& events, Run
       report.stages.push_back({stage, *seconds});
   if (!report.stages.empty() || events.empty()) return;
   const json& parts = field_at(events.back(), "wall_seconds");
-  for (const char* part : {"load", "init", "train", "evaluate", "save"})
-    if (const auto seconds = number_at(parts, part)) report.stages.push_back({part, *seconds});
+  for (const auto& [part, value] : parts.items())
+    if (value.is_number()) report.stages.push_back({part, value.get<double>()});
 }
 
 void read_scores(const json& metrics, RunReport& report) {

@@ -6,7 +6,8 @@
 namespace tessera {
 
 nlohmann::json WallSplit::json() const {
-  constexpr const char* kNames[kKinds] = {"load", "init", "train", "evaluate", "save"};
+  constexpr const char* kNames[kKinds] = {"load",  "device", "cloud",     "trial",    "init",
+                                          "steps", "unseen", "decisions", "evaluate", "save"};
   nlohmann::json object = nlohmann::json::object();
   for (size_t kind = 0; kind < kKinds; ++kind) object[kNames[kind]] = seconds_[kind];
   return object;

@@ -9,30 +9,60 @@
 
 namespace tessera {
 
-/// Wall time by kind, seconds. Evaluation is off the clock of training.
+/// Wall time by kind, seconds; each second counts for one kind. Evaluation is off the clock of
+/// training.
 class WallSplit {
  public:
-  enum Kind { kLoad, kInit, kTrain, kEvaluate, kSave, kKinds };
+  /// kDevice: its choice and start; kCloud: of a scene without points; kTrial: of motion; kInit:
+  /// what is left before the first step, as masks and uploads; kUnseen: removal of what no view
+  /// shows; kDecide: on motion and size.
+  enum Kind {
+    kLoad,
+    kDevice,
+    kCloud,
+    kTrial,
+    kInit,
+    kSteps,
+    kUnseen,
+    kDecide,
+    kEvaluate,
+    kSave,
+    kKinds
+  };
 
-  /// Counts what `work` takes, also where it throws; returns what it returns.
+  /// Counts what `work` takes, also where it throws; returns what it returns. Work in it that is
+  /// timed as another kind counts for that kind alone.
   template <class Work>
   auto time(Kind kind, Work&& work) {
-    const Span span(seconds_[kind]);
+    const Span span(*this, kind);
     return work();
   }
-  /// {load, init, train, evaluate, save}
+  /// Counts seconds of one kind as another.
+  void move(Kind from, Kind to, double seconds) {
+    seconds_[from] -= seconds;
+    seconds_[to] += seconds;
+  }
+  /// {load, device, cloud, trial, init, steps, unseen, decisions, evaluate, save}
   nlohmann::json json() const;
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Span {
-    explicit Span(double& seconds) : sum(seconds), begin(Clock::now()) {}
+    Span(WallSplit& of, Kind kind) : split(of), outer(of.running_) { split.go_on_as(kind); }
     Span(const Span&) = delete;
-    ~Span() { sum += seconds_since(begin); }
-    double& sum;
-    Clock::time_point begin;
+    ~Span() { split.go_on_as(outer); }
+    WallSplit& split;
+    Kind outer;
   };
+  void go_on_as(Kind kind) {
+    if (running_ != kKinds) seconds_[running_] += seconds_since(since_);
+    running_ = kind;
+    since_ = Clock::now();
+  }
+
   std::array<double, kKinds> seconds_{};
+  Kind running_ = kKinds;  // none
+  Clock::time_point since_;
 };
 
 /// Stages and memory of steps and decisions; evaluations use the same backend and are left out.

@@ -176,7 +176,8 @@ class Session {
 
   void take_steps() {
     limit_.begin_steps();
-    wall_.time(WallSplit::kTrain, [&] {
+    const double unseen = trainer_->unseen_seconds();
+    wall_.time(WallSplit::kSteps, [&] {
       stages_->count([&] {
         trainer_->run(next_pause(), [&] {
           return left_ || observer_.must_stop() || checkpoints_.due(trainer_->state().iteration) ||
@@ -185,6 +186,7 @@ class Session {
         if (snapshot_due()) request_.snapshots->take(trainer_->state());
       });
     });
+    wall_.move(WallSplit::kSteps, WallSplit::kUnseen, trainer_->unseen_seconds() - unseen);
   }
 
   void check_model() {
@@ -208,7 +210,7 @@ class Session {
   void decide() {
     std::optional<ReductionReport> report;
     limit_.whole([&] {
-      wall_.time(WallSplit::kTrain, [&] {
+      wall_.time(WallSplit::kDecide, [&] {
         stages_->count([&] { report = reduction_->act(*trainer_, validation_->record()); });
       });
     });

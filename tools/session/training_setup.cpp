@@ -56,18 +56,19 @@ void complete_motion(TrainingSetup& setup, const TrainRequest& request, double s
 
 /// What follows from the images alone.
 void complete_by_images(TrainingSetup& setup, const TrainRequest& request, double motion_seconds,
-                        SessionObserver& observer,
+                        WallSplit& wall, SessionObserver& observer,
                         const std::function<void(const std::string&)>& warn) {
   Scene& scene = setup.scene;
   std::vector<std::string> warnings;
-  if (const auto found = complete_cloud(scene, setup.options, warnings))
-    observer.on_message(*found);
+  const std::optional<std::string> cloud =
+      wall.time(WallSplit::kCloud, [&] { return complete_cloud(scene, setup.options, warnings); });
+  if (cloud) observer.on_message(*cloud);
   for (const std::string& warning : warnings) warn(warning);
   for (const std::string& found : resolve_by_cloud(scene, setup.options))
     observer.on_message(found);
   // refuses what cannot be learned before motion is tried
   exposure_rows(scene, scene.split_indices(Split::kTrain), setup.options);
-  complete_motion(setup, request, motion_seconds, observer);
+  wall.time(WallSplit::kTrial, [&] { complete_motion(setup, request, motion_seconds, observer); });
 }
 
 /// The checkpoint's training goes on as one of so many steps would from there.
@@ -115,12 +116,13 @@ void complete_setup(TrainingSetup& setup, const TrainRequest& request, const Run
   setup.validation_views =
       hold_out_validation(setup.scene, options.validation_share, uint64_t(options.seed));
   wall.time(WallSplit::kInit, [&] {
-    ChosenBackend chosen = choose_backend(request.backend);
+    ChosenBackend chosen =
+        wall.time(WallSplit::kDevice, [&] { return choose_backend(request.backend); });
     setup.backend = std::move(chosen.backend);
     setup.choice = std::move(chosen.choice);
     if (setup.choice.leaves_cuda_unused()) observer.on_cuda_unused(setup.choice.reason);
     if (!setup.previous || options.motion == Motion::kAuto)
-      complete_by_images(setup, request, kShareOfMotion * seconds, observer, warn);
+      complete_by_images(setup, request, kShareOfMotion * seconds, wall, observer, warn);
     setup.config =
         make_config(request, {options, setup.with_nodes}, setup.scene, setup.backend->name());
     json& asked = setup.config["asked_options"] =
