@@ -17,18 +17,6 @@ Frame without_pixels(const Frame& frame) {
   return listed;
 }
 
-/// A scene without frames.
-Scene empty_like(const Scene& scene) {
-  Scene like;
-  like.path = scene.path;
-  like.time_axis = scene.time_axis;
-  like.prepared_from_source = scene.prepared_from_source;
-  like.is_static = scene.is_static;
-  like.background = scene.background;
-  like.had_alpha = scene.had_alpha;
-  return like;
-}
-
 }  // namespace
 
 FolderFrames::FolderFrames(const std::filesystem::path& folder) : files_(folder, true) {
@@ -43,12 +31,12 @@ Scene FolderFrames::at(const std::vector<int64_t>& timesteps) const {
   return files_.load(options);
 }
 
-SceneFrames::SceneFrames(const Scene& scene) : scene_(scene), listed_(empty_like(scene)) {
+SceneFrames::SceneFrames(const Scene& scene) : scene_(scene) {
   for (const Frame& frame : scene.frames) listed_.frames.push_back(without_pixels(frame));
 }
 
 Scene SceneFrames::at(const std::vector<int64_t>& timesteps) const {
-  Scene found = empty_like(scene_);
+  Scene found;
   std::vector<size_t> from;
   for (const int64_t timestep : timesteps)
     for (size_t i = 0; i < listed_.frames.size(); ++i) {

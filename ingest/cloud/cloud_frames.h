@@ -32,8 +32,9 @@ class FolderFrames : public CloudFrames {
   Scene listed_;
 };
 
-/// Copies of the frames of a scene, which must outlive this and have the pixels of its training
-/// frames. Frames for validation count as training frames, which they are in the files.
+/// Copies of the frames, and of nothing else, of a scene, which must outlive this and have the
+/// pixels of its training frames. Frames for validation count as training frames, which they are in
+/// the files.
 class SceneFrames : public CloudFrames {
  public:
   explicit SceneFrames(const Scene& scene);

@@ -1,6 +1,5 @@
 // Tries random pixels in rounds, no larger than what is missing asks for, until there are enough
-// points. Static points are limited to one a
-// voxel, moving points to one a voxel and timestep.
+// points. Static points are limited to one a voxel, moving points to one a voxel and timestep.
 #include "ingest/cloud/dense_cloud.h"
 
 #include <algorithm>

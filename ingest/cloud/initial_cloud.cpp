@@ -132,10 +132,11 @@ class MovingPoints {
     std::vector<SweptPoint> points = dense_points(sweep, options_);
     cloud_.sweep_seconds += seconds_since(start);
     start = Clock::now();
-    if (!points.empty() && !window_.beside().empty()) {
+    const std::vector<const Scene*> beside = window_.beside();
+    if (!points.empty() && !beside.empty()) {
       std::vector<SweptPoint*> all;
       for (SweptPoint& point : points) all.push_back(&point);
-      count = find_velocities(sweep, window_.beside(), all);
+      count = find_velocities(sweep, beside, all);
     }
     cloud_.velocity_seconds += seconds_since(start);
     return points;

@@ -11,7 +11,7 @@
 namespace tessera {
 
 /// How many nodes there are where nothing says otherwise, and how many for a scene of many limbs.
-constexpr int64_t kFewNodes = 64, kManyNodes = 256;
+inline constexpr int64_t kFewNodes = 64, kManyNodes = 256;
 
 /// Nodes of a set, at rest.
 struct NodePlan {

@@ -60,6 +60,12 @@ std::string scene_fingerprint(const Scene& scene) {
   return hash.hex();
 }
 
+/// Whether the frames in memory are those of the files, on black.
+bool is_as_filed(const Scene& scene, const TrainOptions& options) {
+  const bool on_black = scene.background == std::array<uint8_t, 3>{0, 0, 0};
+  return options.train_scale == 1 && (on_black || !scene.had_alpha);
+}
+
 }  // namespace
 
 std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run) {
@@ -135,12 +141,6 @@ std::vector<std::string> training_warnings(const Scene& scene, const TrainOption
         "moves is blurred; for a moving scene choose another preset, for instance balanced",
         scene.path, timesteps));
   return warnings;
-}
-
-/// Whether the frames in memory are those of the files, on black.
-bool is_as_filed(const Scene& scene, const TrainOptions& options) {
-  const bool on_black = scene.background == std::array<uint8_t, 3>{0, 0, 0};
-  return options.train_scale == 1 && (on_black || !scene.had_alpha);
 }
 
 std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& options,
