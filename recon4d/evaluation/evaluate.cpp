@@ -1,15 +1,16 @@
-// Renders a split in batches, scores each view, and computes the means of the scores, each over the
-// views that have it.
+// Renders a split group by group and scores the views of a group at once.
 #include "recon4d/evaluation/evaluate.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <functional>
+#include <future>
 #include <set>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "recon4d/evaluation/mean_scores.h"
 #include "recon4d/evaluation/metrics.h"
 #include "recon4d/evaluation/pixel_scores.h"
 
@@ -61,33 +62,6 @@ std::vector<int> scored_frames(const Scene& scene, Split split) {
   return indices;
 }
 
-MeanScore mean_of_those(const std::vector<ViewScore>& views,
-                        const std::function<bool(const ViewScore&)>& belongs) {
-  std::vector<ViewScore> chosen;
-  std::copy_if(views.begin(), views.end(), std::back_inserter(chosen), belongs);
-  return mean_score(chosen);
-}
-
-void add_means(EvaluationReport& report) {
-  const std::vector<ViewScore>& views = report.views;
-  report.all = mean_score(views);
-  if (report.split == Split::kTrain || report.split == Split::kValidation) return;
-  // a held-out view is one whose timestep was seen, a held-out time one whose camera was
-  const auto group = [&](bool time_seen, bool camera_seen) {
-    return mean_of_those(views, [=](const ViewScore& view) {
-      return view.held_out_view == time_seen && view.held_out_time == camera_seen;
-    });
-  };
-  report.held_out_views =
-      mean_of_those(views, [](const ViewScore& view) { return view.held_out_view; });
-  report.held_out_times =
-      mean_of_those(views, [](const ViewScore& view) { return view.held_out_time; });
-  report.novel_view = group(true, false);
-  report.novel_time = group(false, true);
-  report.novel_view_and_time = group(false, false);
-  report.withheld = group(true, true);
-}
-
 /// `drawn` where the mask of the frame uses it, the truth elsewhere.
 Image8 only_used(const Image8& drawn, const Frame& frame) {
   Image8 merged = drawn;
@@ -123,22 +97,9 @@ class MovingRegionMeter {
   std::optional<MovingRegionScore> score_;
 };
 
-/// Mean of a member over the views that have it.
-std::optional<double> mean_of(const std::vector<ViewScore>& views,
-                              const std::function<std::optional<double>(const ViewScore&)>& value) {
-  double sum = 0;
-  int64_t count = 0;
-  for (const ViewScore& view : views)
-    if (const std::optional<double> v = value(view)) {
-      sum += *v;
-      ++count;
-    }
-  return count > 0 ? std::optional<double>(sum / double(count)) : std::nullopt;
-}
-
-}  // namespace
-
-ViewScore score_view(const Frame& frame, const RenderedImage& image,
+/// Score of one image against a frame, also given in 8 bits. The held-out flags are left false,
+/// and what needs other pixels or views is left empty.
+ViewScore score_view(const Frame& frame, const RenderedImage& image, const Image8& drawn,
                      const EvaluateOptions& options) {
   ViewScore score;
   score.name = frame.name;
@@ -146,7 +107,6 @@ ViewScore score_view(const Frame& frame, const RenderedImage& image,
   score.time = frame.time;
   score.width = image.width;
   score.height = image.height;
-  const Image8 drawn = quantise(image.planar(), image.width, image.height);
   const Span<const uint8_t> mask = used_mask(frame);
   score.masked = !mask.empty();
   score.mse = mean_squared_error(drawn, frame.image, mask);
@@ -160,52 +120,124 @@ ViewScore score_view(const Frame& frame, const RenderedImage& image,
   return score;
 }
 
+/// Views that follow each other, rendered and then scored together.
+struct ViewGroup {
+  size_t begin = 0;  // place of the first among those that are scored
+  std::vector<RenderedImage> images;
+  std::vector<Image8> drawn;
+  std::vector<ViewScore> scores;
+  std::vector<ViewPixelSums> sums;
+};
+
+/// The views of a split, group after group: while one is scored on all threads, the next is drawn.
+class SplitScorer {
+ public:
+  SplitScorer(Backend& backend, const GaussianModel& model, const Scene& scene, Split split,
+              const EvaluateOptions& options)
+      : scene_(scene),
+        options_(options),
+        indices_(scored_frames(scene, split)),
+        training_(scene),
+        held_out_(split == Split::kVal || split == Split::kTest),
+        renderer_(backend, model),
+        moving_(backend, model, options),
+        pixels_(scene, indices_, options) {
+    check_background(model, scene);
+    report_.split = split;
+  }
+
+  EvaluationReport report(const ScoredCallback& scored) {
+    std::future<ViewGroup> before;
+    for (size_t begin = 0; begin < indices_.size(); begin += group_size()) {
+      ViewGroup group = drawn_group(begin);
+      if (before.valid()) take(before.get(), scored);
+      before = std::async(
+          policy(), [this](ViewGroup drawn) { return look_at(std::move(drawn)); },
+          std::move(group));
+    }
+    take(before.get(), scored);
+    pixels_.finish(report_);
+    add_means(report_);
+    report_.moving = moving_.score();
+    return std::move(report_);
+  }
+
+ private:
+  const Frame& frame(size_t i) const { return scene_.frames[size_t(indices_[i])]; }
+
+  /// As many as threads score at once, within bounds of memory.
+  size_t group_size() const {
+    constexpr int kMostViews = 16;
+    return size_t(std::max(options_.batch, std::min(thread_count(), kMostViews)));
+  }
+  /// Work beside other work stays on its thread.
+  static std::launch policy() {
+    return SerialSection::is_here() ? std::launch::deferred : std::launch::async;
+  }
+
+  ViewGroup drawn_group(size_t begin) {
+    ViewGroup group;
+    group.begin = begin;
+    const size_t last = std::min(begin + group_size(), indices_.size());
+    for (size_t first = begin; first < last; first += size_t(options_.batch)) {
+      std::vector<View> views;
+      for (size_t i = first; i < std::min(first + size_t(options_.batch), last); ++i)
+        views.push_back({frame(i).camera, frame(i).time});
+      moving_.add(views, scene_, indices_.data() + first);
+      for (RenderedImage& image : renderer_.render(views)) group.images.push_back(std::move(image));
+    }
+    return group;
+  }
+
+  ViewGroup look_at(ViewGroup group) const {
+    const auto count = int64_t(group.images.size());
+    group.drawn.resize(size_t(count));
+    group.scores.resize(size_t(count));
+    group.sums.resize(size_t(count));
+    // a network scores one pair at a time
+    parallel_for(count, options_.lpips ? count : 1, [&](int64_t first, int64_t last) {
+      for (auto k = size_t(first); k < size_t(last); ++k) {
+        const Frame& truth = frame(group.begin + k);
+        const RenderedImage& image = group.images[k];
+        group.drawn[k] = quantise(image.planar(), image.width, image.height);
+        group.scores[k] = score_view(truth, image, group.drawn[k], options_);
+        group.sums[k] = pixels_.look_at(truth, group.drawn[k], group.scores[k]);
+      }
+    });
+    return group;
+  }
+
+  void take(const ViewGroup& group, const ScoredCallback& scored) {
+    for (size_t k = 0; k < group.images.size(); ++k) {
+      const size_t i = group.begin + k;
+      pixels_.add(frame(i), group.images[k], group.drawn[k], group.sums[k]);
+      ViewScore score = group.scores[k];
+      score.held_out_view = held_out_ && training_.has_timestep(frame(i).timestep);
+      score.held_out_time = held_out_ && training_.has_camera(frame(i).camera_name);
+      report_.views.push_back(score);
+      if (scored)
+        scored(frame(i), group.images[k], score, int64_t(i + 1), int64_t(indices_.size()));
+    }
+  }
+
+  const Scene& scene_;
+  const EvaluateOptions& options_;
+  const std::vector<int> indices_;
+  const TrainingCoverage training_;
+  const bool held_out_;
+  Renderer renderer_;
+  MovingRegionMeter moving_;
+  PixelScores pixels_;
+  EvaluationReport report_;
+};
+
+}  // namespace
+
 EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Scene& scene,
                           Split split, const EvaluateOptions& options,
                           const ScoredCallback& scored) {
   check(options.batch >= 1, "evaluate: a batch of at least one view");
-  const std::vector<int> indices = scored_frames(scene, split);
-  check_background(model, scene);
-  const TrainingCoverage training(scene);
-  EvaluationReport report;
-  report.split = split;
-  Renderer renderer(backend, model);
-  MovingRegionMeter moving(backend, model, options);
-  PixelScores pixels(scene, indices, options);
-  for (size_t begin = 0; begin < indices.size(); begin += size_t(options.batch)) {
-    const size_t end = std::min(begin + size_t(options.batch), indices.size());
-    std::vector<View> views;
-    for (size_t i = begin; i < end; ++i) {
-      const Frame& frame = scene.frames[size_t(indices[i])];
-      views.push_back({frame.camera, frame.time});
-    }
-    moving.add(views, scene, indices.data() + begin);
-    const std::vector<RenderedImage> images = renderer.render(views);
-    std::vector<ViewScore> scores(images.size());
-    // a network scores one pair at a time
-    parallel_for(int64_t(scores.size()), options.lpips ? int64_t(scores.size()) : 1,
-                 [&](int64_t first, int64_t last) {
-                   for (int64_t k = first; k < last; ++k)
-                     scores[size_t(k)] =
-                         score_view(scene.frames[size_t(indices[begin + size_t(k)])],
-                                    images[size_t(k)], options);
-                 });
-    for (size_t i = begin; i < end; ++i) {
-      const Frame& frame = scene.frames[size_t(indices[i])];
-      ViewScore& score = scores[i - begin];
-      const RenderedImage& image = images[i - begin];
-      pixels.add(frame, image, score);
-      const bool held_out = split == Split::kVal || split == Split::kTest;
-      score.held_out_view = held_out && training.has_timestep(frame.timestep);
-      score.held_out_time = held_out && training.has_camera(frame.camera_name);
-      report.views.push_back(score);
-      if (scored) scored(frame, image, score, int64_t(i + 1), int64_t(indices.size()));
-    }
-  }
-  pixels.finish(report);
-  add_means(report);
-  report.moving = moving.score();
-  return report;
+  return SplitScorer(backend, model, scene, split, options).report(scored);
 }
 
 const char* split_name(Split split) {
@@ -220,28 +252,6 @@ const char* split_name(Split split) {
       return "aside";
   }
   return "";
-}
-
-MeanScore mean_score(const std::vector<ViewScore>& views) {
-  MeanScore mean;
-  mean.views = int64_t(views.size());
-  mean.psnr = mean_of(views, [](const ViewScore& v) { return v.psnr; });
-  mean.psnr_float = mean_of(views, [](const ViewScore& v) { return v.psnr_float; });
-  for (auto member : {&StructureScores::reflect, &StructureScores::zero, &StructureScores::inside,
-                      &StructureScores::inside_range2, &StructureScores::multi_scale})
-    mean.structure.*member =
-        mean_of(views, [member](const ViewScore& v) { return v.structure.*member; });
-  mean.lpips = mean_of(views, [](const ViewScore& v) { return v.lpips; });
-  mean.psnr_dynamic = mean_of(views, [](const ViewScore& v) { return v.psnr_dynamic; });
-  mean.psnr_static = mean_of(views, [](const ViewScore& v) { return v.psnr_static; });
-  mean.psnr_fit = mean_of(views, [](const ViewScore& v) { return v.psnr_fit; });
-  mean.psnr_fit_dynamic = mean_of(views, [](const ViewScore& v) { return v.psnr_fit_dynamic; });
-  mean.psnr_fit_static = mean_of(views, [](const ViewScore& v) { return v.psnr_fit_static; });
-  mean.dynamic_views = std::count_if(views.begin(), views.end(),
-                                     [](const ViewScore& v) { return v.psnr_dynamic.has_value(); });
-  if (const auto mse = mean_of(views, [](const ViewScore& v) { return v.mse; }))
-    mean.psnr_of_mean_mse = psnr_of_mse(*mse);
-  return mean;
 }
 
 }  // namespace tessera

@@ -47,8 +47,6 @@ struct MeanScore {
   int64_t dynamic_views = 0;  // that have a psnr_dynamic
 };
 
-MeanScore mean_score(const std::vector<ViewScore>& views);
-
 struct EvaluationReport {
   Split split = Split::kTest;
   std::vector<ViewScore> views;  // in the order of the scene
@@ -68,7 +66,7 @@ struct EvaluationReport {
 enum class StructureDetail { kNone, kSsim, kAll };  // kSsim: the reflected mean alone
 
 struct EvaluateOptions {
-  int batch = 4;  // views rendered at once
+  int batch = 4;  // views rendered at once; more are scored at once, where there are threads
   StructureDetail structure = StructureDetail::kAll;
   bool temporal = true;    // flicker, moving and still pixels apart
   bool pixel_sums = true;  // what PixelScores adds, all of `temporal` among it; false: PSNR alone
@@ -91,11 +89,6 @@ using ScoredCallback = std::function<void(const Frame& frame, const RenderedImag
 EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Scene& scene,
                           Split split, const EvaluateOptions& options,
                           const ScoredCallback& scored = {});
-
-/// Score of one image against a frame. The held-out flags are left false, and what needs other
-/// views is left empty.
-ViewScore score_view(const Frame& frame, const RenderedImage& image,
-                     const EvaluateOptions& options);
 
 const char* split_name(Split split);  // "train", "val", "test"
 

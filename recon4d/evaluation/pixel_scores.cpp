@@ -49,19 +49,26 @@ std::map<std::string, int64_t> frames_of_cameras(const Scene& scene,
 
 PixelScores::PixelScores(const Scene& scene, const std::vector<int>& scored,
                          const EvaluateOptions& options)
-    : options_(options),
-      regions_(scene, DynamicRegions::Of::kAllFrames),
-      flicker_(frames_of_cameras(scene, scored)) {}
+    : options_(options), flicker_(frames_of_cameras(scene, scored)) {
+  if (options.pixel_sums && options.temporal)
+    regions_.emplace(scene, DynamicRegions::Of::kAllFrames, scored);
+}
 
-void PixelScores::add(const Frame& frame, const RenderedImage& image, ViewScore& score) {
-  if (!options_.pixel_sums) return;
-  const Image8 drawn = quantise(image.planar(), image.width, image.height);
+ViewPixelSums PixelScores::look_at(const Frame& frame, const Image8& drawn,
+                                   ViewScore& score) const {
+  if (!options_.pixel_sums) return {};
   const ViewPixelSums sums =
-      view_sums(drawn, frame, options_.temporal ? regions_.mask_of(frame) : std::vector<uint8_t>());
+      view_sums(drawn, frame, regions_ ? regions_->mask_of(frame) : std::vector<uint8_t>());
   if (sums.has_motion) {
     score.psnr_dynamic = psnr_of(sums.moving);
     score.psnr_static = psnr_of(sums.still);
   }
+  return sums;
+}
+
+void PixelScores::add(const Frame& frame, const RenderedImage& image, const Image8& drawn,
+                      const ViewPixelSums& sums) {
+  if (!options_.pixel_sums) return;
   sums_.push_back(sums);
   timesteps_.add(frame, sums);
   if (options_.object_boxes) objects_.add(frame, drawn, options_.object_boxes(frame));

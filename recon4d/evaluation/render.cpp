@@ -76,20 +76,15 @@ std::vector<RenderedImage> Renderer::render(const std::vector<View>& views) {
   std::vector<RenderedImage> rendered;
   if (views.empty()) return rendered;
   const Images<float>& images = draw(views);
-  const float *colour = images.colour.data(), *transmittance = images.transmittance.data();
-  if (&backend_.memory() != &host_memory()) {
-    colour_.copy_from(images.colour);
-    transmittance_.copy_from(images.transmittance);
-    colour = colour_.data();
-    transmittance = transmittance_.data();
-  }
+  Memory& memory = backend_.memory();
   for (const ViewArgs<float>& view : pipeline_.batch().views) {
-    const int64_t pixels = int64_t(view.width) * view.height;
-    RenderedImage image{view.width, view.height, {}, {}};
-    const float* rgb = colour + 3 * view.first_pixel;
-    const float* light = transmittance + view.first_pixel;
-    image.rgb.assign(rgb, rgb + 3 * pixels);
-    image.alpha.assign(light, light + pixels);
+    const size_t pixels = size_t(view.width) * size_t(view.height);
+    RenderedImage image{view.width, view.height, std::vector<float>(3 * pixels),
+                        std::vector<float>(pixels)};
+    memory.copy(image.rgb.data(), images.colour.data() + 3 * view.first_pixel,
+                3 * pixels * sizeof(float));
+    memory.copy(image.alpha.data(), images.transmittance.data() + view.first_pixel,
+                pixels * sizeof(float));
     for (float& value : image.alpha) value = 1.0f - value;
     rendered.push_back(std::move(image));
   }

@@ -54,7 +54,6 @@ class Renderer {
   std::optional<MotionNodes> nodes_;  // where the model's are in another memory
   Buffer<float> environment_;         // the same
   bool background_ = true;
-  Buffer<float> colour_, transmittance_;  // of a batch, on the host
 };
 
 /// For a single call.

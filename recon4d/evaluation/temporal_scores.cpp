@@ -1,10 +1,9 @@
-// Running sums over time for the planes of a camera, and medians over time.
+// Running sums over time for the planes of a camera.
 #include "recon4d/evaluation/temporal_scores.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
 
 namespace tessera {
@@ -18,7 +17,7 @@ float steps_of(float value) {
 
 }  // namespace
 
-void FlickerMeter::start(Sums& sums, const Frame& frame) const {
+void FlickerMeter::start(Sums& sums, const Frame& frame) {
   const size_t pixels = size_t(frame.image.width) * size_t(frame.image.height);
   sums.previous.assign(3 * pixels, 0.0f);
   for (int k = 0; k < 2; ++k) {
@@ -37,7 +36,7 @@ void FlickerMeter::add(const Frame& frame, const RenderedImage& image) {
   cameras_.erase(camera);
 }
 
-void FlickerMeter::take(const Frame& frame, const RenderedImage& image, Sums& sums) const {
+void FlickerMeter::take(const Frame& frame, const RenderedImage& image, Sums& sums) {
   if (sums.broken) return;
   const Frame* const last = sums.last;
   sums.broken = last != nullptr && !(frame.camera == last->camera && frame.time > last->time);
@@ -49,26 +48,39 @@ void FlickerMeter::take(const Frame& frame, const RenderedImage& image, Sums& su
   if (last == nullptr) start(sums, frame);
   sums.last = &frame;
   const auto timesteps = float(++sums.timesteps);
-  const size_t pixels = sums.used.size();
-  for (size_t p = 0; p < pixels; ++p) {
-    const bool was_used = sums.used[p] != 0;
-    if (!frame.mask.data().empty() && frame.mask.data()[p] == 0) sums.used[p] = 0;
-    if (!was_used) continue;
-    for (size_t c = 0; c < 3; ++c) {
-      const size_t i = c * pixels + p;
-      const float drawn = steps_of(image.rgb[i]), truth = frame.image.data[3 * p + c];
-      if (last != nullptr && sums.used[p] != 0) {
-        const float truth_change = truth - float(last->image.data[3 * p + c]);
-        sums.change_sum += std::abs((drawn - sums.previous[i]) - truth_change);
-        ++sums.change_count;
-      }
-      sums.previous[i] = drawn;
-      for (int k = 0; k < 2; ++k) {
-        const float value = k == 0 ? drawn : truth, before = value - sums.mean[k][i];
-        sums.mean[k][i] += before / timesteps;
-        sums.square[k][i] += before * (value - sums.mean[k][i]);
+  const auto pixels = int64_t(sums.used.size());
+  struct Change {
+    double sum = 0;
+    int64_t count = 0;
+  };
+  std::vector<Change> changes(size_t((pixels + kPixelsOfTask - 1) / kPixelsOfTask));
+  parallel_for(pixels, kPixelsOfTask, [&](int64_t begin, int64_t end) {
+    Change change;
+    for (auto p = size_t(begin); p < size_t(end); ++p) {
+      const bool was_used = sums.used[p] != 0;
+      if (!frame.mask.data().empty() && frame.mask.data()[p] == 0) sums.used[p] = 0;
+      if (!was_used) continue;
+      for (size_t c = 0; c < 3; ++c) {
+        const size_t i = c * size_t(pixels) + p;
+        const float drawn = steps_of(image.rgb[i]), truth = frame.image.data[3 * p + c];
+        if (last != nullptr && sums.used[p] != 0) {
+          const float truth_change = truth - float(last->image.data[3 * p + c]);
+          change.sum += std::abs((drawn - sums.previous[i]) - truth_change);
+          ++change.count;
+        }
+        sums.previous[i] = drawn;
+        for (int k = 0; k < 2; ++k) {
+          const float value = k == 0 ? drawn : truth, before = value - sums.mean[k][i];
+          sums.mean[k][i] += before / timesteps;
+          sums.square[k][i] += before * (value - sums.mean[k][i]);
+        }
       }
     }
+    changes[size_t(begin / kPixelsOfTask)] = change;
+  });
+  for (const Change& change : changes) {  // in order, so that threads change no digit
+    sums.change_sum += change.sum;
+    sums.change_count += change.count;
   }
 }
 
@@ -100,47 +112,6 @@ std::vector<FlickerScore> FlickerMeter::scores() const {
   std::vector<FlickerScore> scores;
   for (const auto& [camera, score] : scores_) scores.push_back(score);
   return scores;
-}
-
-const std::vector<uint8_t>& DynamicRegions::median_of(const Frame& frame) {
-  const auto found = medians_.find(frame.camera_name);
-  if (found != medians_.end()) return found->second;
-  std::vector<uint8_t>& median = medians_[frame.camera_name];
-  std::vector<const Frame*> frames;
-  for (const Frame& other : scene_.frames) {
-    if (other.camera_name != frame.camera_name) continue;
-    if (of_ == Of::kTrainingFrames && other.split != Split::kTrain) continue;
-    if (!(other.camera == frame.camera)) return median;
-    frames.push_back(&other);
-  }
-  std::stable_sort(frames.begin(), frames.end(),
-                   [](const Frame* a, const Frame* b) { return a->time < b->time; });
-  std::vector<const Frame*> chosen;
-  const size_t count = std::min(frames.size(), kMoments);
-  if (count < kLeastMoments) return median;
-  for (size_t i = 0; i < count; ++i)
-    chosen.push_back(
-        frames[size_t(even_spread(int64_t(i), int64_t(count), int64_t(frames.size())))]);
-  median.resize(frame.image.data.size());
-  parallel_for(int64_t(median.size()), kPixelsOfTask, [&](int64_t begin, int64_t end) {
-    std::vector<uint8_t> values(count);
-    for (int64_t i = begin; i < end; ++i) {
-      for (size_t k = 0; k < count; ++k) values[k] = chosen[k]->image.data[size_t(i)];
-      const auto middle = values.begin() + std::ptrdiff_t((count - 1) / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      median[size_t(i)] = *middle;
-    }
-  });
-  return median;
-}
-
-std::vector<uint8_t> DynamicRegions::mask_of(const Frame& frame) {
-  const std::vector<uint8_t>& median = median_of(frame);
-  if (median.empty()) return {};
-  std::vector<uint8_t> moves(median.size() / 3, 0);
-  for (size_t i = 0; i < median.size(); ++i)
-    if (std::abs(int(frame.image.data[i]) - int(median[i])) > kThreshold) moves[i / 3] = 255;
-  return moves;
 }
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// Scores of fixed cameras over time: flicker, and the pixels that change. A moving camera has none
-// of them. Source: failure modes A14; masked PSNR of the dynamic-scene literature.
+// Flicker: how much the images of a camera that stands still change over time where the truth does
+// not, and how wrong changes are. Source: failure modes A14.
 #pragma once
 #include <map>
 #include <optional>
@@ -45,38 +45,13 @@ class FlickerMeter {
     int64_t change_count = 0, timesteps = 0;
     bool broken = false;
   };
-  void take(const Frame& frame, const RenderedImage& image, Sums& sums) const;
-  void start(Sums& sums, const Frame& frame) const;
+  static void take(const Frame& frame, const RenderedImage& image, Sums& sums);
+  static void start(Sums& sums, const Frame& frame);
   static FlickerScore score(const std::string& camera, const Sums& sums);
 
   std::map<std::string, int64_t> left_;         // frames of each camera
   std::map<std::string, Sums> cameras_;         // those that are not complete
   std::map<std::string, FlickerScore> scores_;  // the others
-};
-
-/// Which pixels of a camera that stands still show something that moves: those whose truth differs
-/// from its median over time, in some channel, by more than kThreshold.
-class DynamicRegions {
- public:
-  static constexpr int kThreshold = 10;   // 8-bit units
-  static constexpr size_t kMoments = 31;  // the median is of at most so many, spread over time
-  static constexpr size_t kLeastMoments = 3;
-
-  enum class Of { kAllFrames, kTrainingFrames };
-
-  /// What medians are of; `scene` must outlive this. A training must not see test frames.
-  DynamicRegions(const Scene& scene, Of of) : scene_(scene), of_(of) {}
-
-  /// [height, width] 255 where it moves, 0 elsewhere; empty: the camera moves, or has fewer than
-  /// three timesteps.
-  std::vector<uint8_t> mask_of(const Frame& frame);
-
- private:
-  const std::vector<uint8_t>& median_of(const Frame& frame);
-
-  const Scene& scene_;
-  const Of of_;
-  std::map<std::string, std::vector<uint8_t>> medians_;  // [height, width, 3], or empty
 };
 
 }  // namespace tessera

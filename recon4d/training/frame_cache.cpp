@@ -10,9 +10,10 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
 #include "kernels/math/photometric.h"
+#include "recon4d/evaluation/dynamic_regions.h"
 #include "recon4d/evaluation/metrics.h"
-#include "recon4d/evaluation/temporal_scores.h"
 
 namespace tessera {
 namespace {
@@ -186,27 +187,30 @@ void FrameCache::fill(Slot& slot, const std::vector<int64_t>& indices) {
 }
 
 FrameMasks moving_masks(const Scene& scene, const std::vector<int>& frames) {
-  FrameMasks masks;
-  std::map<const Image8*, FrameMask> of_moving_cameras;  // by the masks that their frames share
-  DynamicRegions regions(scene, DynamicRegions::Of::kTrainingFrames);
-  for (const int place : frames) {
-    const Frame& frame = scene.frames[size_t(place)];
-    const Span<const uint8_t> used = used_mask(frame);
-    const std::vector<uint8_t> moves = regions.mask_of(frame);
-    FrameMask* const same = moves.empty() ? &of_moving_cameras[frame.mask.shared()] : nullptr;
-    if (same != nullptr && (used.empty() || !same->data().empty())) {
-      masks.push_back(*same);
-      continue;
+  FrameMasks masks(frames.size());
+  const DynamicRegions regions(scene, DynamicRegions::Of::kTrainingFrames, frames);
+  parallel_for(int64_t(frames.size()), 1, [&](int64_t first, int64_t last) {
+    for (int64_t i = first; i < last; ++i) {
+      const Frame& frame = scene.frames[size_t(frames[size_t(i)])];
+      std::vector<uint8_t> mask = regions.mask_of(frame);
+      const Span<const uint8_t> used = used_mask(frame);
+      for (size_t p = 0; p < mask.size(); ++p)
+        mask[p] = !is_used(used, p) ? 0 : mask[p] != 0 ? kMovingPixel : kStillPixel;
+      if (!mask.empty())
+        masks[size_t(i)] = Image8{frame.image.width, frame.image.height, 1, std::move(mask)};
     }
-    Image8 mask{frame.image.width, frame.image.height, 1, {}};
-    mask.data.resize(moves.empty() ? size_t(used.size) : moves.size());
-    for (size_t p = 0; p < mask.data.size(); ++p)
-      mask.data[p] = !is_used(used, p) ? 0
-                     : moves.empty()   ? kUnknownPixel
-                     : moves[p] != 0   ? kMovingPixel
-                                       : kStillPixel;
-    masks.emplace_back(std::move(mask));
-    if (same != nullptr) *same = masks.back();
+  });
+  std::map<const Image8*, FrameMask> unknown;  // by the masks that frames share
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const Frame& frame = scene.frames[size_t(frames[i])];
+    if (!masks[i].data().empty() || frame.mask.data().empty()) continue;
+    FrameMask& shared = unknown[frame.mask.shared()];
+    if (shared.data().empty()) {
+      Image8 mask = frame.mask.image();
+      for (uint8_t& value : mask.data) value = value == 0 ? 0 : kUnknownPixel;
+      shared = std::move(mask);
+    }
+    masks[i] = shared;
   }
   return masks;
 }

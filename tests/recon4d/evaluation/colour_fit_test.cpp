@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "recon4d/evaluation/dynamic_regions.h"
 #include "recon4d/evaluation/evaluate.h"
 #include "recon4d/evaluation/metrics.h"
 #include "tests/recon4d/model/small_models.h"
@@ -115,7 +116,8 @@ int flashing(int camera, int t, size_t i, int value) {
 TEST(ColourFit, MovingAndStaticPixelsAddUpToAll) {
   const Rig rig(flashing);
   const EvaluationReport report = rig.evaluated();
-  DynamicRegions regions(rig.scene, DynamicRegions::Of::kAllFrames);
+  const DynamicRegions regions(rig.scene, DynamicRegions::Of::kAllFrames,
+                               rig.scene.split_indices(Split::kTest));
   const auto squared_error = [](double psnr) { return std::pow(10.0, -psnr / 10); };
   for (size_t i = 0; i < report.views.size(); ++i) {
     const std::vector<uint8_t> moves = regions.mask_of(rig.scene.frames[i]);

@@ -4,7 +4,7 @@
 #include "tests/support/random_image.h"
 
 #include "kernels/math/photometric.h"
-#include "recon4d/evaluation/evaluate.h"
+#include "recon4d/evaluation/mean_scores.h"
 #include "tests/recon4d/model/small_models.h"
 
 namespace tessera::testing {

@@ -1,0 +1,89 @@
+// Medians over time of 8-bit images, bit by bit, and what differs from them.
+#include "recon4d/evaluation/dynamic_regions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/base/errors.h"
+#include "kernels/base/median.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+namespace {
+
+/// `to` [begin, end): the lower median of the images at each of these bytes. It is the largest
+/// value that at least so many of them reach, found from its highest bit on, in runs of bytes
+/// that loops of fixed length go through in vectors.
+void lower_medians(const std::vector<const Frame*>& frames, size_t begin, size_t end, uint8_t* to) {
+  constexpr size_t kRun = 256;
+  const size_t reaching = frames.size() - (frames.size() - 1) / 2;
+  uint8_t values[DynamicRegions::kMoments][kRun] = {};
+  for (; begin < end; begin += kRun) {
+    const size_t count = std::min(kRun, end - begin);
+    for (size_t k = 0; k < frames.size(); ++k)
+      std::copy_n(frames[k]->image.data.data() + begin, count, values[k]);
+    uint8_t median[kRun] = {};
+    for (int bit = 128; bit > 0; bit /= 2) {
+      uint8_t tried[kRun], reached[kRun] = {};
+      for (size_t i = 0; i < kRun; ++i) tried[i] = uint8_t(median[i] | bit);
+      for (size_t k = 0; k < frames.size(); ++k)
+        for (size_t i = 0; i < kRun; ++i)
+          reached[i] = uint8_t(reached[i] + (values[k][i] >= tried[i] ? 1 : 0));
+      for (size_t i = 0; i < kRun; ++i) median[i] = reached[i] >= reaching ? tried[i] : median[i];
+    }
+    std::copy_n(median, count, to + begin);
+  }
+}
+
+/// At most kMoments, spread over time; none where there are too few or the camera moves.
+std::vector<const Frame*> frames_of_median(std::vector<const Frame*> frames) {
+  static_assert(DynamicRegions::kMoments < 256, "counts of them are bytes");
+  std::stable_sort(frames.begin(), frames.end(),
+                   [](const Frame* a, const Frame* b) { return a->time < b->time; });
+  const size_t count = std::min(frames.size(), DynamicRegions::kMoments);
+  std::vector<const Frame*> chosen;
+  if (count < DynamicRegions::kLeastMoments) return chosen;
+  for (const Frame* frame : frames)
+    if (!(frame->camera == frames.front()->camera)) return chosen;
+  for (size_t i = 0; i < count; ++i)
+    chosen.push_back(
+        frames[size_t(even_spread(int64_t(i), int64_t(count), int64_t(frames.size())))]);
+  return chosen;
+}
+
+}  // namespace
+
+DynamicRegions::DynamicRegions(const Scene& scene, Of of, const std::vector<int>& frames) {
+  std::map<std::string, std::vector<const Frame*>> cameras;
+  for (const int place : frames) cameras[scene.frames[size_t(place)].camera_name];
+  for (const Frame& frame : scene.frames) {
+    const auto camera = cameras.find(frame.camera_name);
+    if (camera == cameras.end()) continue;
+    if (of == Of::kAllFrames || frame.split == Split::kTrain) camera->second.push_back(&frame);
+  }
+  for (const auto& [name, of_camera] : cameras) {
+    constexpr int64_t kBytesOfTask = 1 << 15;
+    const std::vector<const Frame*> chosen = frames_of_median(of_camera);
+    std::vector<uint8_t>& median = medians_[name];
+    if (chosen.empty()) continue;
+    median.resize(chosen.front()->image.data.size());
+    parallel_for(int64_t(median.size()), kBytesOfTask, [&](int64_t begin, int64_t end) {
+      lower_medians(chosen, size_t(begin), size_t(end), median.data());
+    });
+  }
+}
+
+std::vector<uint8_t> DynamicRegions::mask_of(const Frame& frame) const {
+  const auto found = medians_.find(frame.camera_name);
+  check(found != medians_.end(), "DynamicRegions: a camera that was not asked for");
+  const std::vector<uint8_t>& median = found->second;
+  std::vector<uint8_t> moves(median.size() / 3, 0);
+  const auto differs = [&](size_t i) {
+    return std::abs(int(frame.image.data[i]) - int(median[i])) > kThreshold;
+  };
+  for (size_t p = 0; p < moves.size(); ++p)
+    moves[p] = differs(3 * p) || differs(3 * p + 1) || differs(3 * p + 2) ? 255 : 0;
+  return moves;
+}
+
+}  // namespace tessera

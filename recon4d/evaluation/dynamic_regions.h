@@ -1,0 +1,33 @@
+// Which pixels of a camera that stands still show something that moves. Source: masked PSNR of the
+// dynamic-scene literature.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "ingest/scene.h"
+
+namespace tessera {
+
+/// Pixels whose truth differs from its median over time, in some channel, by more than kThreshold.
+class DynamicRegions {
+ public:
+  static constexpr int kThreshold = 10;   // 8-bit units
+  static constexpr size_t kMoments = 31;  // the median is of at most so many, spread over time
+  static constexpr size_t kLeastMoments = 3;
+
+  enum class Of { kAllFrames, kTrainingFrames };
+
+  /// Medians of the cameras of `frames`, which are places in the scene. A training must not see
+  /// test frames.
+  DynamicRegions(const Scene& scene, Of of, const std::vector<int>& frames);
+
+  /// [height, width] 255 where it moves, 0 elsewhere; empty: the camera moves, or has fewer than
+  /// three timesteps. `frame`: of one of those cameras. May be called on several threads at once.
+  std::vector<uint8_t> mask_of(const Frame& frame) const;
+
+ private:
+  std::map<std::string, std::vector<uint8_t>> medians_;  // [height, width, 3], or empty
+};
+
+}  // namespace tessera
