@@ -25,8 +25,7 @@ struct Plane {
 
 template <class Real>
 struct PlaneScratch {
-  std::vector<Real> truth, by_x, by_xx, by_xy;
-  MomentPlanes<Real> moments;
+  std::vector<Real> truth, by_x, by_xx, by_xy, convolved;
 };
 
 /// Writes dL/d plane; `scale` = 1 / (3·H·W·B).
@@ -41,29 +40,36 @@ PlaneLoss plane_loss(const Plane<Real>& plane, const LossWeights& weights, Real 
   const auto l1_factor = [&](size_t p) {
     return mask != nullptr && mask[p] == kMovingPixel ? weights.moving : 1.0;
   };
-  for (std::vector<Real>* map : {&s.truth, &s.by_x, &s.by_xx, &s.by_xy}) map->resize(pixels);
+  for (std::vector<Real>* map : {&s.truth, &s.by_x, &s.by_xx, &s.by_xy, &s.convolved})
+    map->resize(pixels);
   for (size_t p = 0; p < pixels; ++p)
     s.truth[p] = ignored(p) ? x[p] : Real(plane.truth[3 * p]) / Real(255);
   const Real* y = s.truth.data();
-  s.moments.compute(x, y, width, height, Padding::kZero);
   PlaneLoss loss;
   const Real lambda = Real(-weights.dssim) * scale;
-  for (size_t p = 0; p < pixels; ++p) {
-    if (ignored(p)) {
-      loss.ssim += 1;
-      s.by_x[p] = s.by_xx[p] = s.by_xy[p] = Real(0);
-      continue;
+  const auto read = [&](int row, Real* a, Real* b) {
+    std::copy_n(x + int64_t(row) * width, width, a);
+    std::copy_n(y + int64_t(row) * width, width, b);
+  };
+  MomentRows<Real>(width, height, Padding::kZero).compute(read, [&](int row, const auto& moments) {
+    for (int column = 0; column < width; ++column) {
+      const size_t p = size_t(row) * size_t(width) + size_t(column);
+      if (ignored(p)) {
+        loss.ssim += 1;
+        s.by_x[p] = s.by_xx[p] = s.by_xy[p] = Real(0);
+        continue;
+      }
+      const SsimPoint<Real> point = ssim_point<Real>(moments(column));
+      loss.l1 += l1_factor(p) * double(std::abs(x[p] - y[p]));
+      loss.ssim += double(point.value);
+      s.by_x[p] = lambda * point.d_x;
+      s.by_xx[p] = lambda * point.d_xx;
+      s.by_xy[p] = lambda * point.d_xy;
     }
-    const SsimPoint<Real> point = s.moments.point(p);
-    loss.l1 += l1_factor(p) * double(std::abs(x[p] - y[p]));
-    loss.ssim += double(point.value);
-    s.by_x[p] = lambda * point.d_x;
-    s.by_xx[p] = lambda * point.d_xx;
-    s.by_xy[p] = lambda * point.d_xy;
-  }
+  });
   if (d_x == nullptr) return loss;
   for (std::vector<Real>* map : {&s.by_x, &s.by_xx, &s.by_xy})
-    convolve(map->data(), width, height, Padding::kZero, s.moments.scratch.data(), map->data());
+    convolve(map->data(), width, height, Padding::kZero, s.convolved.data(), map->data());
   const Real l1 = Real(weights.l1) * scale;
   for (size_t p = 0; p < pixels; ++p) {
     const Real d = photometric_gradient(l1 * Real(l1_factor(p)), x[p], y[p], s.by_x[p], s.by_xx[p],

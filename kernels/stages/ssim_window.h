@@ -1,6 +1,7 @@
 // Convolution of a plane with the separable SSIM window, with zero or reflected borders. The loss
 // and the metrics share it.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "kernels/math/photometric.h"
@@ -18,70 +19,112 @@ inline int padded_index(int i, int count, Padding padding) {
   return i < 0 ? -i : 2 * (count - 1) - i;
 }
 
+/// A line of samples with the border that the window reaches into.
 template <class Real>
-void convolve_rows(const Real* in, int width, int height, Padding padding, Real* out) {
-  std::vector<Real> line(size_t(width) + 2 * kSsimRadius, Real(0));
-  Real* const first = line.data() + kSsimRadius;  // sample 0 of the line
-  for (int y = 0; y < height; ++y) {
-    const Real* from = in + int64_t(y) * width;
-    for (int x = 0; x < width; ++x) first[x] = from[x];
+class PaddedLine {
+ public:
+  explicit PaddedLine(int width)
+      : samples_(size_t(width) + 2 * kSsimRadius, Real(0)), width_(width) {}
+
+  Real* samples() { return samples_.data() + kSsimRadius; }  // [width] to be written
+
+  /// The window over each sample, [width].
+  void convolve(Padding padding, Real* to) {
+    Real* const first = samples();
     if (padding == Padding::kReflect)
       for (int k = 1; k <= kSsimRadius; ++k) {
-        first[-k] = from[k];
-        first[width - 1 + k] = from[width - 1 - k];
+        first[-k] = first[k];
+        first[width_ - 1 + k] = first[width_ - 1 - k];
       }
-    Real* to = out + int64_t(y) * width;
-    const Real* padded = line.data();
-    for (int x = 0; x < width; ++x) {
+    const Real* padded = samples_.data();
+    for (int x = 0; x < width_; ++x) {
       Real sum = Real(0);
       for (int k = 0; k < kSsimTaps; ++k) sum += kSsimWindow<Real>[k] * padded[x + k];
       to[x] = sum;
     }
   }
-}
 
-template <class Real>
-void convolve_columns(const Real* in, int width, int height, Padding padding, Real* out) {
-  for (int y = 0; y < height; ++y) {
-    Real* to = out + int64_t(y) * width;
-    for (int x = 0; x < width; ++x) to[x] = Real(0);
-    for (int k = 0; k < kSsimTaps; ++k) {
-      const int from_row = padded_index(y + k - kSsimRadius, height, padding);
-      if (from_row < 0) continue;
-      const Real tap = kSsimWindow<Real>[k];
-      const Real* from = in + int64_t(from_row) * width;
-      for (int x = 0; x < width; ++x) to[x] += tap * from[x];
-    }
+ private:
+  std::vector<Real> samples_;
+  int width_;
+};
+
+/// The window over row y of lines whose rows are at row(i), [width].
+template <class Real, class Row>
+void convolve_column(int y, int width, int height, Padding padding, const Row& row, Real* to) {
+  for (int x = 0; x < width; ++x) to[x] = Real(0);
+  for (int k = 0; k < kSsimTaps; ++k) {
+    const int from_row = padded_index(y + k - kSsimRadius, height, padding);
+    if (from_row < 0) continue;
+    const Real tap = kSsimWindow<Real>[k];
+    const Real* from = row(from_row);
+    for (int x = 0; x < width; ++x) to[x] += tap * from[x];
   }
 }
 
 /// in and out [height, width]; `scratch` of the same size; out may be in.
 template <class Real>
 void convolve(const Real* in, int width, int height, Padding padding, Real* scratch, Real* out) {
-  convolve_rows(in, width, height, padding, scratch);
-  convolve_columns(scratch, width, height, padding, out);
+  PaddedLine<Real> line(width);
+  for (int y = 0; y < height; ++y) {
+    std::copy_n(in + int64_t(y) * width, width, line.samples());
+    line.convolve(padding, scratch + int64_t(y) * width);
+  }
+  const auto row = [&](int y) { return scratch + int64_t(y) * width; };
+  for (int y = 0; y < height; ++y)
+    convolve_column(y, width, height, padding, row, out + int64_t(y) * width);
 }
 
-/// The four windowed moments of two planes.
+/// The four windowed moments of two planes, row after row, of which as many are held as the window
+/// is high.
 template <class Real>
-struct MomentPlanes {
-  std::vector<Real> x, y, squares, xy, scratch;
-
-  void compute(const Real* a, const Real* b, int width, int height, Padding padding) {
-    const size_t pixels = size_t(width) * size_t(height);
-    for (std::vector<Real>* plane : {&x, &y, &squares, &xy, &scratch}) plane->resize(pixels);
-    for (size_t p = 0; p < pixels; ++p) {
-      squares[p] = a[p] * a[p] + b[p] * b[p];
-      xy[p] = a[p] * b[p];
-    }
-    convolve(a, width, height, padding, scratch.data(), x.data());
-    convolve(b, width, height, padding, scratch.data(), y.data());
-    for (std::vector<Real>* plane : {&squares, &xy})
-      convolve(plane->data(), width, height, padding, scratch.data(), plane->data());
+class MomentRows {
+ public:
+  MomentRows(int width, int height, Padding padding)
+      : width_(width), height_(height), padding_(padding), lines_(kCount, PaddedLine<Real>(width)) {
+    convolved_.resize(size_t(kSsimTaps * kCount) * size_t(width));
+    sums_.resize(size_t(kCount) * size_t(width));
   }
 
-  SsimMoments<Real> moments(size_t p) const { return {x[p], y[p], squares[p], xy[p]}; }
-  SsimPoint<Real> point(size_t p) const { return ssim_point<Real>(moments(p)); }
+  /// Calls read(y, a, b), which writes row y of both planes, [width] each, for every y in order,
+  /// and body(y, moments) in order, where moments(x) has those of pixel x. Each read is asked for
+  /// once, up to kSsimRadius rows ahead.
+  template <class Read, class Body>
+  void compute(const Read& read, const Body& body) {
+    int next = 0;
+    for (int y = 0; y < height_; ++y) {
+      for (; next < height_ && next <= y + kSsimRadius; ++next) add_row(next, read);
+      for (int m = 0; m < kCount; ++m)
+        convolve_column(
+            y, width_, height_, padding_, [&](int row) { return convolved(row, m); }, sum(m));
+      body(y, [&](int x) { return SsimMoments<Real>{sum(0)[x], sum(1)[x], sum(2)[x], sum(3)[x]}; });
+    }
+  }
+
+ private:
+  static constexpr int kCount = 4;
+
+  Real* sum(int moment) { return sums_.data() + int64_t(moment) * width_; }
+  Real* convolved(int row, int moment) {
+    return convolved_.data() + int64_t(row % kSsimTaps * kCount + moment) * width_;
+  }
+
+  template <class Read>
+  void add_row(int y, const Read& read) {
+    Real *const a = lines_[0].samples(), *const b = lines_[1].samples(),
+                *const squares = lines_[2].samples(), *const xy = lines_[3].samples();
+    read(y, a, b);
+    for (int x = 0; x < width_; ++x) {
+      squares[x] = a[x] * a[x] + b[x] * b[x];
+      xy[x] = a[x] * b[x];
+    }
+    for (int m = 0; m < kCount; ++m) lines_[size_t(m)].convolve(padding_, convolved(y, m));
+  }
+
+  int width_, height_;
+  Padding padding_;
+  std::vector<PaddedLine<Real>> lines_;
+  std::vector<Real> convolved_, sums_;
 };
 
 }  // namespace tessera

@@ -150,12 +150,12 @@ class SplitScorer {
     std::future<ViewGroup> before;
     for (size_t begin = 0; begin < indices_.size(); begin += group_size()) {
       ViewGroup group = drawn_group(begin);
-      if (before.valid()) take(before.get(), scored);
+      if (before.valid()) spare_ = taken(before.get(), scored);
       before = std::async(
           policy(), [this](ViewGroup drawn) { return look_at(std::move(drawn)); },
           std::move(group));
     }
-    take(before.get(), scored);
+    taken(before.get(), scored);
     pixels_.finish(report_);
     add_means(report_);
     report_.moving = moving_.score();
@@ -176,15 +176,16 @@ class SplitScorer {
   }
 
   ViewGroup drawn_group(size_t begin) {
-    ViewGroup group;
+    ViewGroup group = std::move(spare_);
     group.begin = begin;
     const size_t last = std::min(begin + group_size(), indices_.size());
+    group.images.resize(last - begin);
     for (size_t first = begin; first < last; first += size_t(options_.batch)) {
       std::vector<View> views;
       for (size_t i = first; i < std::min(first + size_t(options_.batch), last); ++i)
         views.push_back({frame(i).camera, frame(i).time});
       moving_.add(views, scene_, indices_.data() + first);
-      for (RenderedImage& image : renderer_.render(views)) group.images.push_back(std::move(image));
+      renderer_.render(views, {&group.images[first - begin], int64_t(views.size())});
     }
     return group;
   }
@@ -207,7 +208,8 @@ class SplitScorer {
     return group;
   }
 
-  void take(const ViewGroup& group, const ScoredCallback& scored) {
+  /// The group, whose memory the next one may use.
+  ViewGroup taken(ViewGroup group, const ScoredCallback& scored) {
     for (size_t k = 0; k < group.images.size(); ++k) {
       const size_t i = group.begin + k;
       pixels_.add(frame(i), group.images[k], group.drawn[k], group.sums[k]);
@@ -218,6 +220,7 @@ class SplitScorer {
       if (scored)
         scored(frame(i), group.images[k], score, int64_t(i + 1), int64_t(indices_.size()));
     }
+    return group;
   }
 
   const Scene& scene_;
@@ -228,6 +231,7 @@ class SplitScorer {
   Renderer renderer_;
   MovingRegionMeter moving_;
   PixelScores pixels_;
+  ViewGroup spare_;
   EvaluationReport report_;
 };
 

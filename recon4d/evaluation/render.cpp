@@ -73,22 +73,30 @@ const Images<float>& Renderer::draw(const std::vector<View>& views) {
 }
 
 std::vector<RenderedImage> Renderer::render(const std::vector<View>& views) {
-  std::vector<RenderedImage> rendered;
-  if (views.empty()) return rendered;
+  std::vector<RenderedImage> images(views.size());
+  render(views, {images.data(), int64_t(images.size())});
+  return images;
+}
+
+void Renderer::render(const std::vector<View>& views, Span<RenderedImage> to) {
+  check(to.size == int64_t(views.size()), "Renderer: one image a view");
+  if (views.empty()) return;
   const Images<float>& images = draw(views);
   Memory& memory = backend_.memory();
-  for (const ViewArgs<float>& view : pipeline_.batch().views) {
+  for (size_t i = 0; i < views.size(); ++i) {
+    const ViewArgs<float>& view = pipeline_.batch().views[i];
     const size_t pixels = size_t(view.width) * size_t(view.height);
-    RenderedImage image{view.width, view.height, std::vector<float>(3 * pixels),
-                        std::vector<float>(pixels)};
+    RenderedImage& image = to[int64_t(i)];
+    image.width = view.width;
+    image.height = view.height;
+    image.rgb.resize(3 * pixels);
+    image.alpha.resize(pixels);
     memory.copy(image.rgb.data(), images.colour.data() + 3 * view.first_pixel,
                 3 * pixels * sizeof(float));
     memory.copy(image.alpha.data(), images.transmittance.data() + view.first_pixel,
                 pixels * sizeof(float));
     for (float& value : image.alpha) value = 1.0f - value;
-    rendered.push_back(std::move(image));
   }
-  return rendered;
 }
 
 std::vector<RenderedImage> render_views(Backend& backend, const GaussianModel& model,

@@ -31,6 +31,8 @@ class Renderer {
 
   /// One image per view, all through the kernels as one batch.
   std::vector<RenderedImage> render(const std::vector<View>& views);
+  /// The same into `to`, [views], whose memory is used again.
+  void render(const std::vector<View>& views, Span<RenderedImage> to);
   /// The same without taking the images out: for timing.
   const Images<float>& draw(const std::vector<View>& views);
   /// To be called when the model's values have changed.

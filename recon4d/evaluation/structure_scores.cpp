@@ -22,40 +22,78 @@ struct Plane {
   }
 };
 
-/// The moments of a channel; b is a where the mask ignores.
-MomentPlanes<double> moments_of(const Plane& x, Plane y, Padding padding,
-                                Span<const uint8_t> mask) {
-  for (size_t p = 0; p < x.value.size(); ++p)
-    if (!is_used(mask, p)) y.value[p] = x.value[p];
-  MomentPlanes<double> moments;
-  moments.compute(x.value.data(), y.value.data(), x.width, x.height, padding);
-  return moments;
+/// Sums over used pixels of one channel.
+struct ChannelSums {
+  double ssim = 0, structure = 0;  // luminance · structure; the contrast–structure factor
+  /// Of the pixels whose window lies inside the image: SSIM at range 1 and 2.
+  double inside = 0, inside_range2 = 0;
+  int64_t pixels = 0, inside_pixels = 0;
+};
+
+double ssim_of(const SsimTerms<double>& terms) {
+  return terms.C * terms.D / (terms.A * terms.B);
 }
 
-double mean_ssim(const MomentPlanes<double>& moments, Span<const uint8_t> mask) {
-  double sum = 0;
-  const size_t pixels = moments.x.size();
-  for (size_t p = 0; p < pixels; ++p)
-    if (is_used(mask, p)) sum += moments.point(p).value;
-  return sum / double(used_pixels(mask, pixels));
+/// SSIM alone.
+void add_ssim(const SsimMoments<double>& moments, bool, ChannelSums& sums) {
+  sums.ssim += ssim_of(ssim_terms(moments));
+  ++sums.pixels;
 }
 
-/// Over the used pixels whose window lies inside the image.
-std::optional<double> mean_inside(const MomentPlanes<double>& moments, int width, int height,
-                                  double range, Span<const uint8_t> mask) {
-  double sum = 0;
-  int64_t count = 0;
-  const double c1 = kSsimC1<double> * range * range, c2 = kSsimC2<double> * range * range;
-  for (int y = kSsimRadius; y < height - kSsimRadius; ++y)
-    for (int x = kSsimRadius; x < width - kSsimRadius; ++x) {
-      const size_t p = size_t(y) * size_t(width) + size_t(x);
-      if (!is_used(mask, p)) continue;
-      const auto [A, B, C, D] = ssim_terms(moments.moments(p), c1, c2);
-      sum += C * D / (A * B);
-      ++count;
-    }
-  if (count == 0) return std::nullopt;
-  return sum / double(count);
+void add_all(const SsimMoments<double>& moments, bool is_inside, ChannelSums& sums) {
+  const SsimTerms<double> terms = ssim_terms(moments);
+  const double ssim = ssim_of(terms);
+  sums.ssim += ssim;
+  sums.structure += terms.D / terms.B;
+  ++sums.pixels;
+  if (!is_inside) return;
+  sums.inside += ssim;
+  sums.inside_range2 += ssim_of(ssim_terms(moments, 4 * kSsimC1<double>, 4 * kSsimC2<double>));
+  ++sums.inside_pixels;
+}
+
+/// read(y, a, b) writes row y of both planes; b becomes a where the mask ignores.
+template <class Read, class Add>
+ChannelSums sums_of(int width, int height, Padding padding, Span<const uint8_t> mask,
+                    const Read& read, const Add& add) {
+  ChannelSums sums;
+  const auto used = [&](int y, int x) {
+    return is_used(mask, size_t(y) * size_t(width) + size_t(x));
+  };
+  const auto masked = [&](int y, double* a, double* b) {
+    read(y, a, b);
+    for (int x = 0; x < width && !mask.empty(); ++x)
+      if (!used(y, x)) b[x] = a[x];
+  };
+  MomentRows<double>(width, height, padding).compute(masked, [&](int y, const auto& moments) {
+    const bool inside = y >= kSsimRadius && y < height - kSsimRadius;
+    for (int x = 0; x < width; ++x)
+      if (used(y, x)) add(moments(x), inside && x >= kSsimRadius && x < width - kSsimRadius, sums);
+  });
+  return sums;
+}
+
+template <class Add>
+ChannelSums sums_of(const Image8& a, const Image8& b, int channel, Padding padding,
+                    Span<const uint8_t> mask, const Add& add) {
+  const auto row = [&](const Image8& image, int y, double* to) {
+    const uint8_t* from = image.data.data() + 3 * size_t(y) * size_t(image.width) + channel;
+    for (int x = 0; x < image.width; ++x) to[x] = from[3 * x] / 255.0;
+  };
+  const auto read = [&](int y, double* to_a, double* to_b) {
+    row(a, y, to_a);
+    row(b, y, to_b);
+  };
+  return sums_of(a.width, a.height, padding, mask, read, add);
+}
+
+ChannelSums sums_of(const Plane& a, const Plane& b) {
+  const auto read = [&](int y, double* to_a, double* to_b) {
+    const int64_t first = int64_t(y) * a.width;
+    std::copy_n(a.value.data() + first, a.width, to_a);
+    std::copy_n(b.value.data() + first, a.width, to_b);
+  };
+  return sums_of(a.width, a.height, Padding::kReflect, {}, read, add_all);
 }
 
 /// Means of 2 × 2 pixels.
@@ -73,27 +111,17 @@ Plane halved(const Plane& from) {
   return to;
 }
 
-/// The contrast–structure factor's mean.
-double mean_structure(const MomentPlanes<double>& moments) {
-  double sum = 0;
-  for (size_t p = 0; p < moments.x.size(); ++p) {
-    const SsimTerms<double> terms = ssim_terms(moments.moments(p));
-    sum += terms.D / terms.B;
-  }
-  return sum / double(moments.x.size());
-}
-
-/// Π_j mean(structure_j)^β_j · mean(SSIM_5)^β_5  [Wang03, Eq. 7]; `finest`: moments of x and y.
-double multi_scale(Plane x, Plane y, const MomentPlanes<double>& finest) {
+/// Π_j mean(structure_j)^β_j · mean(SSIM_5)^β_5  [Wang03, Eq. 7]; `finest`: sums over x and y.
+double multi_scale(Plane x, Plane y, const ChannelSums& finest) {
   constexpr double kWeights[] = {.0448, .2856, .3001, .2363, .1333};
   constexpr size_t kScales = std::size(kWeights);
-  double product = std::pow(std::max(0.0, mean_structure(finest)), kWeights[0]);
+  double product = std::pow(std::max(0.0, finest.structure / double(finest.pixels)), kWeights[0]);
   for (size_t j = 1; j < kScales; ++j) {
     x = halved(x);
     y = halved(y);
-    const MomentPlanes<double> moments = moments_of(x, y, Padding::kReflect, {});
-    const double factor = j + 1 < kScales ? mean_structure(moments) : mean_ssim(moments, {});
-    product *= std::pow(std::max(0.0, factor), kWeights[j]);
+    const ChannelSums sums = sums_of(x, y);
+    const double sum = j + 1 < kScales ? sums.structure : sums.ssim;
+    product *= std::pow(std::max(0.0, sum / double(sums.pixels)), kWeights[j]);
   }
   return product;
 }
@@ -101,14 +129,15 @@ double multi_scale(Plane x, Plane y, const MomentPlanes<double>& finest) {
 /// Everything that follows from the reflected moments of a channel.
 StructureScores channel_scores(const Image8& a, const Image8& b, int channel,
                                Span<const uint8_t> mask) {
-  const Plane x(a, channel), y(b, channel);
-  const MomentPlanes<double> moments = moments_of(x, y, Padding::kReflect, mask);
+  const ChannelSums sums = sums_of(a, b, channel, Padding::kReflect, mask, add_all);
   StructureScores scores;
-  scores.reflect = mean_ssim(moments, mask);
-  scores.inside = mean_inside(moments, a.width, a.height, 1, mask);
-  scores.inside_range2 = mean_inside(moments, a.width, a.height, 2, mask);
+  scores.reflect = sums.ssim / double(used_pixels(mask, a.data.size() / 3));
+  if (sums.inside_pixels > 0) {
+    scores.inside = sums.inside / double(sums.inside_pixels);
+    scores.inside_range2 = sums.inside_range2 / double(sums.inside_pixels);
+  }
   if (mask.empty() && std::min(a.width, a.height) >= kMultiScaleSide)
-    scores.multi_scale = multi_scale(x, y, moments);
+    scores.multi_scale = multi_scale({a, channel}, {b, channel}, sums);
   return scores;
 }
 
@@ -133,11 +162,11 @@ std::optional<double> ssim(const Image8& a, const Image8& b, SsimPadding padding
   check_pair(a, b);
   const bool reflect = padding == SsimPadding::kReflect;
   if (reflect && !reflects(a)) return std::nullopt;
+  const Padding border = reflect ? Padding::kReflect : Padding::kZero;
   double channel[3];
   parallel_for(3, 1, [&](int64_t c, int64_t) {
-    channel[c] = mean_ssim(
-        moments_of({a, int(c)}, {b, int(c)}, reflect ? Padding::kReflect : Padding::kZero, mask),
-        mask);
+    channel[c] = sums_of(a, b, int(c), border, mask, add_ssim).ssim /
+                 double(used_pixels(mask, a.data.size() / 3));
   });
   return (channel[0] + channel[1] + channel[2]) / 3.0;
 }
