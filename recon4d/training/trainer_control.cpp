@@ -100,8 +100,8 @@ void Trainer::densify() {
 }
 
 void Trainer::prune_unseen() {
-  constexpr int64_t kEnough = 1024;  // frames of a rig, spread over its cameras and timesteps
-  complete_pending();                // the pass takes the place of its images
+  constexpr int64_t kEnough = 256;  // frames of a rig, spread over its cameras and timesteps
+  complete_pending();               // the pass takes the place of its images
   const auto begin = std::chrono::steady_clock::now();
   const SampledViews sampled =
       views_of_training(scene_, kEnough, state_.iteration / options_.unseen_interval);
