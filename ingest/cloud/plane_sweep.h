@@ -60,8 +60,7 @@ class PlaneSweep {
   std::vector<int> agreeing_frames(const SweptPoint& point) const;
 
  private:
-  struct Depth;   // what a search along a ray found
-  struct Search;  // a pixel with the cameras that it is compared with
+  struct Depth;  // what a search along a ray found
 
   std::optional<Depth> search(int frame, int x, int y) const;
   std::optional<Depth> search(int frame, int x, int y, const glm::dvec3& velocity) const;
