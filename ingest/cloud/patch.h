@@ -47,6 +47,13 @@ inline Patch patch_at(const Image8& image, int x, int y) {
   return patch;
 }
 
+/// Begins to bring the same pixels to the cache.
+inline void fetch_patch(const Image8& image, int x, int y) {
+  for (int dy = -Patch::kRadius; dy <= Patch::kRadius; ++dy)
+    __builtin_prefetch(image.data.data() +
+                       3 * (size_t(y + dy) * size_t(image.width) + size_t(x - Patch::kRadius)));
+}
+
 /// Around the position (u, v), pixels, centres at +0.5; bilinear. has_patch must hold for the
 /// pixel that (u, v) lies in.
 inline Patch patch_between(const Image8& image, double u, double v) {

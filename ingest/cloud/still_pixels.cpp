@@ -74,6 +74,8 @@ bool StillPixels::still(const Frame& frame, const LightRatio& light, int x, int 
   const size_t most = camera->second.size() / kOfSights;
   size_t passing = 0;
   const std::vector<Sight>& sights = camera->second;
+  // frames lie far apart in memory: all patches are on their way before the first is compared
+  for (const Sight& sight : sights) fetch_patch(sight.frame->image, x, y);
   for (const Sight& sight : sights) {
     if (!equal_pose(sight.frame->camera, frame.camera)) return true;
     const LightRatio ratio{light[0] / sight.light[0], light[1] / sight.light[1],
