@@ -3,6 +3,7 @@
 // stages is in pipeline.h. CpuBackend exists in float (production) and in double (reference),
 // CudaBackend in float only.
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -200,6 +201,9 @@ class BackendOf {
   virtual std::string name() const = 0;  // "cpu, 2 threads"
   virtual Memory& memory() = 0;
   virtual StageClock& clock() = 0;
+  /// Makes one more backend of the same device, on the thread that will use it: their work runs
+  /// side by side. Empty: one uses all of the device.
+  virtual std::function<std::unique_ptr<BackendOf>()> another() { return {}; }
 
   /// Poses of the nodes in every view, weights of every binding, and every Gaussian of a canonical
   /// set in every view. What is bound to no node stays as it is at rest, bit by bit.

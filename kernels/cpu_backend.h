@@ -6,7 +6,7 @@
 namespace tessera {
 
 template <class Real>
-class CpuBackend final : public BackendOf<Real> {
+class CpuBackend : public BackendOf<Real> {
  public:
   std::string name() const override;
   Memory& memory() override { return host_memory(); }

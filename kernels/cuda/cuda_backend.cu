@@ -39,7 +39,7 @@ CudaBackend::Stream::Stream(int device) {
   check_device(cudaStreamCreateWithFlags(&handle, cudaStreamNonBlocking), "cudaStreamCreate");
 }
 
-CudaBackend::CudaBackend(int device) : own_stream_(device) {
+CudaBackend::CudaBackend(int device) : own_stream_(device), device_(device) {
   cudaDeviceProp properties{};
   check_device(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
   processors_ = properties.multiProcessorCount;

@@ -61,6 +61,9 @@ class CudaBackend final : public Backend {
   std::string name() const override { return name_; }
   Memory& memory() override { return memory_; }
   StageClock& clock() override { return clock_; }
+  std::function<std::unique_ptr<Backend>()> another() override {
+    return [device = device_] { return std::make_unique<CudaBackend>(device); };
+  }
   cudaStream_t stream() const { return stream_; }
 
   void carry(const CarryArgs<float>& args, Carried<float>& carried) override;
@@ -143,7 +146,8 @@ class CudaBackend final : public Backend {
   DeviceMemory memory_{stream_};
   DeviceStageClock clock_{stream_};
   std::string name_;
-  int processors_ = 1;  // of the device
+  int device_;          // number of the device
+  int processors_ = 1;  // of it
   cudaEvent_t reported_ = nullptr, views_copied_ = nullptr, target_copied_ = nullptr,
               maps_copied_ = nullptr;
 

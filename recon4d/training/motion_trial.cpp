@@ -4,9 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <deque>
+#include <future>
+#include <mutex>
 #include <set>
 
+#include "kernels/base/errors.h"
 #include "recon4d/motion/nodes.h"
 #include "recon4d/training/scene_scale.h"
 #include "recon4d/training/trainer.h"
@@ -66,6 +71,63 @@ double frozen_psnr(Backend& backend, Scene scene, const TrainOptions& options,
   return Validation(backend, scene, options).psnr(model);
 }
 
+/// Trainings on one scene, side by side where the device can, else each when its model is asked
+/// for.
+class TrialRuns {
+ public:
+  TrialRuns(Backend& backend, const Scene& scene, const std::function<bool()>& stop)
+      : backend_(backend), scene_(scene), stop_(stop) {}
+  TrialRuns(const TrialRuns&) = delete;
+  ~TrialRuns() { stopped_ = true; }  // and waits for those that are under way
+
+  /// Its number.
+  size_t add(const TrainOptions& options) {
+    Run& run = runs_.emplace_back();
+    run.options = options;
+    const auto make = backend_.another();
+    run.model = std::async(make ? std::launch::async : std::launch::deferred, [this, &run, make] {
+      const std::unique_ptr<Backend> own = make ? make() : nullptr;
+      return trained(own ? *own : backend_, run.options);
+    });
+    return runs_.size() - 1;
+  }
+
+  /// Nothing where it was stopped. One that found too little memory beside others is repeated
+  /// alone.
+  std::optional<GaussianModel> model(size_t number) {
+    try {
+      return runs_[number].model.get();
+    } catch (const DeviceError&) {
+      if (!side_by_side()) throw;
+    }
+    for (Run& run : runs_)
+      if (run.model.valid()) run.model.wait();
+    return trained(backend_, runs_[number].options);
+  }
+
+ private:
+  struct Run {
+    TrainOptions options;
+    std::future<std::optional<GaussianModel>> model;
+  };
+
+  bool side_by_side() const { return backend_.another() != nullptr; }
+  std::optional<GaussianModel> trained(Backend& backend, const TrainOptions& options) {
+    return trained_model(backend, scene_, options, [this] {
+      const std::lock_guard lock(asked_);
+      stopped_ = stopped_ || stop_();
+      return stopped_.load();
+    });
+  }
+
+  Backend& backend_;
+  const Scene& scene_;
+  const std::function<bool()>& stop_;
+  std::mutex asked_;
+  std::atomic<bool> stopped_{false};
+  std::deque<Run> runs_;
+};
+
 }  // namespace
 
 std::string reason_against_trial(const Scene& scene, const TrainOptions& options) {
@@ -94,24 +156,29 @@ std::optional<MotionTrial> try_motion(Backend& backend, const Scene& scene,
     hold_out_validation(small, kShare, uint64_t(with_nodes.seed));
   MotionTrial trial;
   trial.frames = int64_t(small.split_indices(Split::kValidation).size());
-  TrainOptions options = trial_options(with_nodes);
-  options.motion = Motion::kPair;
-  options.min_blending_weight = 0;  // of sets that one view a timestep sees: removes what is hidden
-  const std::optional<GaussianModel> dynamic = trained_model(backend, small, options, stop);
-  if (!dynamic) return std::nullopt;
-  options.motion = Motion::kNodes;
-  options.min_blending_weight = with_nodes.min_blending_weight;
-  const std::optional<GaussianModel> nodes = trained_model(backend, small, options, stop);
-  if (!nodes) return std::nullopt;
-  const Validation held_out(backend, small, options);
-  trial.dynamic_psnr = held_out.psnr(*dynamic);
-  trial.nodes_psnr = held_out.psnr(*nodes);
-  trial.frozen_psnr = frozen_psnr(backend, small, options, *nodes);
-  if (!trial.prefers_nodes() || with_nodes.motion_nodes > 0) return trial;
-  options.motion_nodes = kManyNodes;
-  const std::optional<GaussianModel> many = trained_model(backend, small, options, stop);
-  if (!many) return std::nullopt;
-  trial.many_nodes_psnr = held_out.psnr(*many);
+  const bool chooses_number = with_nodes.motion_nodes == 0;
+  TrainOptions of_nodes = trial_options(with_nodes);
+  of_nodes.motion = Motion::kNodes;
+  TrainOptions of_pairs = of_nodes, of_many = of_nodes;
+  of_pairs.motion = Motion::kPair;
+  of_pairs.min_blending_weight =
+      0;  // of sets that one view a timestep sees: removes what is hidden
+  of_many.motion_nodes = kManyNodes;
+  TrialRuns runs(backend, small, stop);
+  const size_t pairs = runs.add(of_pairs), nodes = runs.add(of_nodes);
+  const size_t many = chooses_number ? runs.add(of_many) : nodes;
+  const std::optional<GaussianModel> with_pairs = runs.model(pairs);
+  if (!with_pairs) return std::nullopt;
+  const std::optional<GaussianModel> with_few = runs.model(nodes);
+  if (!with_few) return std::nullopt;
+  const Validation held_out(backend, small, of_nodes);
+  trial.dynamic_psnr = held_out.psnr(*with_pairs);
+  trial.nodes_psnr = held_out.psnr(*with_few);
+  trial.frozen_psnr = frozen_psnr(backend, small, of_nodes, *with_few);
+  if (!trial.prefers_nodes() || !chooses_number) return trial;
+  const std::optional<GaussianModel> with_many = runs.model(many);
+  if (!with_many) return std::nullopt;
+  trial.many_nodes_psnr = held_out.psnr(*with_many);
   return trial;
 }
 

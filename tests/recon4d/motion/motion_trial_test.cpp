@@ -2,6 +2,10 @@
 // a trial, and a stop.
 #include <gtest/gtest.h>
 
+#include <atomic>
+
+#include "kernels/base/errors.h"
+#include "kernels/cpu_backend.h"
 #include "recon4d/motion/nodes.h"
 #include "recon4d/training/motion_trial.h"
 #include "tests/support/travelling_camera.h"
@@ -76,6 +80,46 @@ TEST(MotionTrial, TriesManyNodesWhereTheirNumberIsLeftToIt) {
   const auto trial = try_motion(*backend, scene, options, [] { return false; });
   ASSERT_TRUE(trial && trial->many_nodes_psnr);
   EXPECT_NE(*trial->many_nodes_psnr, trial->nodes_psnr);
+}
+
+/// Makes others, as a device does.
+struct SharedBackend : CpuBackend<float> {
+  std::atomic<int> others{0};  // that were asked for
+  int failing = 0;             // the first of these, which cannot be made
+
+  std::function<std::unique_ptr<Backend>()> another() override {
+    return [this] {
+      if (others++ < failing) throw DeviceError("out of device memory");
+      return make_cpu_backend();
+    };
+  }
+};
+
+// Bugs put back, each seen to fail: all trainings on the backend that was given; the failure of one
+// that finds no memory reported; a stop that holds for the training that asked alone.
+TEST(MotionTrial, TrainingsRunSideBySideWhereTheDeviceCan) {
+  const Scene scene = travelling_camera(turning_truth(3, {0.3, 0.2, 0}), 24, 12);
+  TrainOptions options = trial_options();
+  options.motion_nodes = 0;
+  options.init_points = options.max_gaussians = 4 * (kFewNodes + 20);
+  const std::unique_ptr<Backend> alone = make_cpu_backend();
+  const auto expected = try_motion(*alone, scene, options, [] { return false; });
+  ASSERT_TRUE(expected && expected->many_nodes_psnr);
+  for (const int failing : {0, 2}) {
+    SharedBackend shared;
+    shared.failing = failing;
+    const auto trial = try_motion(shared, scene, options, [] { return false; });
+    ASSERT_TRUE(trial && trial->many_nodes_psnr);
+    EXPECT_EQ(shared.others, 3);
+    EXPECT_EQ(trial->dynamic_psnr, expected->dynamic_psnr);
+    EXPECT_EQ(trial->nodes_psnr, expected->nodes_psnr);
+    EXPECT_EQ(trial->frozen_psnr, expected->frozen_psnr);
+    EXPECT_EQ(*trial->many_nodes_psnr, *expected->many_nodes_psnr);
+  }
+  SharedBackend stopped;
+  int64_t asked = 0;
+  EXPECT_FALSE(try_motion(stopped, scene, options, [&] { return asked++ >= 300; }).has_value());
+  EXPECT_LE(asked, 301) << "one that is stopped stops all";
 }
 
 TEST(MotionTrial, ManyNodesNeedALead) {
