@@ -86,8 +86,8 @@ class TrialRuns {
     run.options = options;
     const auto make = backend_.another();
     run.model = std::async(make ? std::launch::async : std::launch::deferred, [this, &run, make] {
-      const std::unique_ptr<Backend> own = make ? make() : nullptr;
-      return trained(own ? *own : backend_, run.options);
+      const std::unique_ptr<Backend> other = make ? make() : nullptr;
+      return trained(other ? *other : backend_, run.options);
     });
     return runs_.size() - 1;
   }
