@@ -34,20 +34,18 @@ double ssim_of(const SsimTerms<double>& terms) {
   return terms.C * terms.D / (terms.A * terms.B);
 }
 
-/// SSIM alone.
-void add_ssim(const SsimMoments<double>& moments, bool, ChannelSums& sums) {
+/// Not inlined: no digit of it depends on what else is computed beside it.
+[[gnu::noinline]] void add_ssim(const SsimMoments<double>& moments, bool, ChannelSums& sums) {
   sums.ssim += ssim_of(ssim_terms(moments));
   ++sums.pixels;
 }
 
 void add_all(const SsimMoments<double>& moments, bool is_inside, ChannelSums& sums) {
+  add_ssim(moments, is_inside, sums);
   const SsimTerms<double> terms = ssim_terms(moments);
-  const double ssim = ssim_of(terms);
-  sums.ssim += ssim;
   sums.structure += terms.D / terms.B;
-  ++sums.pixels;
   if (!is_inside) return;
-  sums.inside += ssim;
+  sums.inside += ssim_of(terms);
   sums.inside_range2 += ssim_of(ssim_terms(moments, 4 * kSsimC1<double>, 4 * kSsimC2<double>));
   ++sums.inside_pixels;
 }

@@ -14,7 +14,7 @@ namespace tessera {
 enum class Motion { kAuto, kNone, kPair, kVelocity, kNodes };
 /// Of each of the short trainings by which that is decided; images have about as many pixels at
 /// most.
-inline constexpr int64_t kTrialIterations = 2000, kTrialBatch = 2, kTrialPixels = 400 * 400;
+inline constexpr int64_t kTrialIterations = 2000, kTrialBatch = 4, kTrialPixels = 400 * 400;
 enum class Filter3d { kNone, kMip, kClamp };
 /// kAuto is decided before a training starts: kCamera where the cameras differ, else kNone.
 enum class ExposureGains { kNone, kCamera, kAffine, kFrame, kAuto };

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/parallel_sort.h"
 #include "recon4d/model/element_edits.h"
 
 namespace tessera {
@@ -37,7 +38,7 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Contributio
       ranked.push_back(
           {double(set.removal2[n]) / bytes[k], set.weight[n] > 0, int64_t(ranked.size())});
   }
-  std::sort(ranked.begin(), ranked.end());
+  parallel_sort(ranked);
   std::vector<Removal> order;
   order.reserve(ranked.size());
   const int64_t statics = model.static_set.count();
@@ -56,15 +57,19 @@ int64_t knee_count(const std::vector<Removal>& order, const Contributions& contr
   if (count < 2) return count;
   double all = 0;
   for (const Removal& removal : order) all += removal.bytes;
-  std::vector<double> size{std::log(all)}, psnr{contributions.psnr_after(0)};
-  double bytes = all, error = 0;
+  std::vector<double> size{all}, psnr{0};  // sums of bytes and errors; then ln and dB of these
   for (int64_t i = 0; i + 1 < count; ++i) {
-    bytes -= order[size_t(i)].bytes;
-    error += order[size_t(i)].error;
+    const double bytes = size.back() - order[size_t(i)].bytes;
     if (bytes < least_share * all) break;
-    size.push_back(std::log(bytes));
-    psnr.push_back(contributions.psnr_after(error));
+    size.push_back(bytes);
+    psnr.push_back(psnr.back() + order[size_t(i)].error);
   }
+  parallel_for(int64_t(size.size()), 1 << 13, [&](int64_t begin, int64_t end) {
+    for (auto i = size_t(begin); i < size_t(end); ++i) {
+      size[i] = std::log(size[i]);
+      psnr[i] = contributions.psnr_after(psnr[i]);
+    }
+  });
   const double wide = size.front() - size.back(), high = psnr.front() - psnr.back();
   if (!(wide > 0)) return count;
   if (!(high > 0)) return count - int64_t(size.size()) + 1;  // none of these does anything

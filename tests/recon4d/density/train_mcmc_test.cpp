@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
 #include "kernels/math/relocation.h"
 #include "recon4d/options/presets.h"
@@ -289,24 +290,29 @@ TEST(McmcTraining, StaysInTheBackendsMemory) {
   EXPECT_EQ(model_bits(training.state().clone_to(host_memory()).model), model_bits(plain.model()));
 }
 
-// Seeds 1 to 3: 6.5, 6.7 and 5.9 dB. Bug put back: means without noise; seen to fail.
+// Seeds 1 to 8: 3.0, 8.2, 5.3, 5.8, 4.0, 6.0, 4.0 and 9.3 dB. Bug put back: means without noise;
+// seen to fail.
 TEST(McmcTraining, BeatsASetThatDoesNotGrow) {
   // From 20 points: 40 that were placed by the chain, and 20 that were not.
   const Scene scene = tiny_capture();
   TrainOptions options = tiny_mcmc();
   options.iterations = options.schedule_iterations = 400;
-  options.densify_until = 330;
   options.init_points = 20;
   options.max_gaussians = 60;
   options.init_opacity = 0.5;
   options.mcmc_noise = 5e3;  // means are trained for 400 steps, not 30,000
-  Training grown(scene, options);
-  options.densify_until = 0;
-  Training still(scene, options);
-  grown.run();
-  still.run();
-  EXPECT_EQ(grown.steps().back().num_static + grown.steps().back().num_dynamic, 60);
-  EXPECT_GT(grown.psnr(), still.psnr() + 3);
+  std::vector<double> gains;
+  for (options.seed = 1; options.seed <= 3; ++options.seed) {
+    options.densify_until = 330;
+    Training grown(scene, options);
+    options.densify_until = 0;
+    Training still(scene, options);
+    grown.run();
+    still.run();
+    EXPECT_EQ(grown.steps().back().num_static + grown.steps().back().num_dynamic, 60);
+    gains.push_back(grown.psnr() - still.psnr());
+  }
+  EXPECT_GT(median(gains), 3);
 }
 
 }  // namespace

@@ -134,8 +134,8 @@ TEST(SeparateRenderer, UploadsOnceAndOnRequest) {
   const int64_t copies = backend.separate_memory.copies;
   for (float& value : model.static_set.group(kSh).value) value += 0.3f;
   expect_equal(renderer.render(views), before);
-  EXPECT_EQ(backend.separate_memory.copies, copies + 2)
-      << "colour and transmittance of the whole batch";
+  EXPECT_EQ(backend.separate_memory.copies, copies + 2 * int64_t(views.size()))
+      << "colour and transmittance of each view, and nothing of the model";
   renderer.refresh();
   const std::vector<RenderedImage> after = render_views(*cpu, model, views);
   EXPECT_FALSE(after[0].rgb == before[0].rgb);
