@@ -149,7 +149,7 @@ async function rests(page) {
 }
 const pressed = (page) => page.locator('#path').getAttribute('aria-pressed');
 
-/** Until the address has no such word: it follows the page a moment later. */
+/** Until the address has no such word: it follows the page a little later. */
 const without = (page, word) => page.waitForURL((url) => !url.searchParams.has(word));
 
 // Bugs put back: a word of the address that is not read; drags, wheels, cameras and settle() that
