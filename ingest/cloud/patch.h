@@ -14,13 +14,14 @@ namespace tessera {
 
 struct Patch {
   static constexpr int kRadius = 2, kSide = 2 * kRadius + 1, kPixels = kSide * kSide;
+  static constexpr int kBorder = kRadius + 1;    // of an image, around which there is none
   std::array<float, size_t(3 * kPixels)> level;  // interleaved, less the channel's mean
   std::array<float, 3> mean;
 };
 
 /// Whether the patch around pixel (x, y) and a pixel more lie in the image.
 inline bool has_patch(const Image8& image, int x, int y) {
-  constexpr int kBorder = Patch::kRadius + 1;
+  constexpr int kBorder = Patch::kBorder;
   return x >= kBorder && y >= kBorder && x < image.width - kBorder && y < image.height - kBorder;
 }
 

@@ -16,10 +16,11 @@ namespace {
 
 constexpr double kNearest = 0.25, kFarthest = 4;  // of the distance to the rig's focus
 constexpr double kPixelsAPlane = 1.5;             // most that a pixel moves in a median neighbour
-constexpr float kLeastTexture = 2;                // of a patch, levels
-constexpr float kMostDifference = 12;             // of agreeing patches, levels
-constexpr float kMostUnlike = 0.7f;               // of agreeing patches, by their texture
-constexpr double kSamePoint = 1.5;  // pixels between a point and where the other camera has it
+constexpr int kFewestPlanes = 48;
+constexpr float kLeastTexture = 2;     // of a patch, levels
+constexpr float kMostDifference = 12;  // of agreeing patches, levels
+constexpr float kMostUnlike = 0.7f;    // of agreeing patches, by their texture
+constexpr double kSamePoint = 1.5;     // pixels between a point and where the other camera has it
 
 }  // namespace
 
@@ -110,8 +111,7 @@ std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y,
   const double range = 1 / (kNearest * rig_.distance) - farthest;
   const Camera& median = scene_.frames[size_t(others[others.size() / 2])].camera;
   const double shift = median.fl_x * glm::distance(median.position(), eye) * range;  // pixels
-  const int planes =
-      std::clamp(int(shift / kPixelsAPlane), RaySearch::kFewestPlanes, RaySearch::kMostPlanes);
+  const int planes = std::clamp(int(shift / kPixelsAPlane), kFewestPlanes, RaySearch::kMostPlanes);
   const RaySearch search(patch, grey_patch_at(grey_.at(index), x, y), std::move(sights),
                          {farthest, range / (planes - 1), planes});
 
@@ -167,7 +167,7 @@ std::optional<SweptPoint> PlaneSweep::find(int index, int x, int y) const {
 
 std::vector<int> PlaneSweep::agreeing_frames(const SweptPoint& point) const {
   std::vector<int> agreeing{point.frame};
-  const auto line_of = [&](int frame) {
+  const auto sight_of = [&](int frame) {
     const Frame& seen = scene_.frames[size_t(frame)];
     const Camera& camera = seen.camera;
     return RaySight{&seen.image,
@@ -180,14 +180,14 @@ std::vector<int> PlaneSweep::agreeing_frames(const SweptPoint& point) const {
                         place_at(point, seen.time - scene_.frames[size_t(point.frame)].time)};
   };
   double u, v;
-  const RaySight found = line_of(point.frame);
+  const RaySight found = sight_of(point.frame);
   if (!found.at(1, u, v)) return agreeing;
   const Patch patch = patch_between(*found.image, u, v);
   const float most = std::min(kMostDifference, kMostUnlike * texture(patch));
   for (int other : neighbours_.at(point.frame)) {
-    const RaySight line = line_of(other);
-    if (!line.at(1, u, v)) continue;
-    const Patch seen = patch_between(*line.image, u, v);
+    const RaySight sight = sight_of(other);
+    if (!sight.at(1, u, v)) continue;
+    const Patch seen = patch_between(*sight.image, u, v);
     if (brightness_difference(patch, seen) <= kMostGain && difference(patch, seen) < most)
       agreeing.push_back(other);
   }

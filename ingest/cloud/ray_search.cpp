@@ -22,26 +22,13 @@ int better_half(int count) {
 
 }  // namespace
 
-bool RaySight::at(double w, double& u, double& v) const {
-  const glm::dvec3 p = a + w * b;
-  if (p.z <= 0) return false;
-  u = camera->fl_x * p.x / p.z + camera->cx;
-  v = camera->fl_y * p.y / p.z + camera->cy;
-  if (!(u >= 0 && v >= 0 && u < image->width && v < image->height)) return false;
-  return has_patch(*image, int(u), int(v)) && !mask->ignores(int(u), int(v));
-}
-
 void RaySearch::compare(const RaySight& sight, PlaneCosts& costs) const {
-  constexpr double kBorder = Patch::kRadius + 1;  // as has_patch has it
-  const double right = sight.image->width - kBorder, bottom = sight.image->height - kBorder;
-  const Camera& camera = *sight.camera;
-  std::array<int, size_t(kMostPlanes)> x, y;
+  std::array<int, size_t(kMostPlanes)> x, y;  // of its pixels; −1: none
   for (int k = 0; k < planes_.count; ++k) {
-    const glm::dvec3 p = sight.a + inverse(k) * sight.b;
-    const double u = camera.fl_x * p.x / p.z + camera.cx, v = camera.fl_y * p.y / p.z + camera.cy;
-    const bool shows = p.z > 0 && u >= kBorder && v >= kBorder && u < right && v < bottom;
-    x[size_t(k)] = shows ? int(u) : -1;
-    y[size_t(k)] = shows ? int(v) : -1;
+    double u, v;
+    const bool shown = sight.has_patch_at(inverse(k), u, v);
+    x[size_t(k)] = shown ? int(u) : -1;
+    y[size_t(k)] = shown ? int(v) : -1;
   }
   int last_x = -1, last_y = -1;
   float cost = kAbsent;

@@ -22,15 +22,27 @@ struct RaySight {
   int frame;
   glm::dvec3 a, b;
 
+  /// Whether the camera has a patch there, whatever its mask ignores; without branches, for loops
+  /// over planes.
+  bool has_patch_at(double w, double& u, double& v) const {
+    constexpr double kBorder = Patch::kBorder;
+    const double right = image->width - kBorder, bottom = image->height - kBorder;
+    const glm::dvec3 p = a + w * b;
+    u = camera->fl_x * p.x / p.z + camera->cx;
+    v = camera->fl_y * p.y / p.z + camera->cy;
+    return p.z > 0 && u >= kBorder && v >= kBorder && u < right && v < bottom;
+  }
   /// False behind the camera, at or outside the edge of its image, or where its mask ignores the
   /// pixel.
-  bool at(double w, double& u, double& v) const;
+  bool at(double w, double& u, double& v) const {
+    return has_patch_at(w, u, v) && !mask->ignores(int(u), int(v));
+  }
 };
 
 class RaySearch {
  public:
   static constexpr size_t kMostSights = 8;
-  static constexpr int kFewestPlanes = 48, kMostPlanes = 256;
+  static constexpr int kMostPlanes = 256;
 
   /// Inverse depths farthest + step · plane.
   struct Planes {

@@ -138,6 +138,7 @@ class SplitScorer {
         options_(options),
         indices_(scored_frames(scene, split)),
         training_(scene),
+        group_size_(group_size()),
         held_out_(split == Split::kVal || split == Split::kTest),
         renderer_(backend, model),
         moving_(backend, model, options),
@@ -148,7 +149,7 @@ class SplitScorer {
 
   EvaluationReport report(const ScoredCallback& scored) {
     std::future<ViewGroup> before;
-    for (size_t begin = 0; begin < indices_.size(); begin += group_size()) {
+    for (size_t begin = 0; begin < indices_.size(); begin += group_size_) {
       ViewGroup group = drawn_group(begin);
       if (before.valid()) spare_ = taken(before.get(), scored);
       before = std::async(
@@ -165,10 +166,17 @@ class SplitScorer {
  private:
   const Frame& frame(size_t i) const { return scene_.frames[size_t(indices_[i])]; }
 
-  /// As many as threads score at once, within bounds of memory.
+  /// As many views as threads score at once, of large images fewer: two groups are held, of 19
+  /// bytes a pixel.
   size_t group_size() const {
-    constexpr int kMostViews = 16;
-    return size_t(std::max(options_.batch, std::min(thread_count(), kMostViews)));
+    constexpr int64_t kMostViews = 16, kMostPixels = int64_t{1} << 25;
+    int64_t largest = 1;
+    for (const int i : indices_) {
+      const Image8& image = scene_.frames[size_t(i)].image;
+      largest = std::max(largest, int64_t(image.width) * image.height);
+    }
+    return size_t(std::max<int64_t>(
+        options_.batch, std::min({int64_t(thread_count()), kMostViews, kMostPixels / largest})));
   }
   /// Work beside other work stays on its thread.
   static std::launch policy() {
@@ -178,7 +186,7 @@ class SplitScorer {
   ViewGroup drawn_group(size_t begin) {
     ViewGroup group = std::move(spare_);
     group.begin = begin;
-    const size_t last = std::min(begin + group_size(), indices_.size());
+    const size_t last = std::min(begin + group_size_, indices_.size());
     group.images.resize(last - begin);
     for (size_t first = begin; first < last; first += size_t(options_.batch)) {
       std::vector<View> views;
@@ -227,6 +235,7 @@ class SplitScorer {
   const EvaluateOptions& options_;
   const std::vector<int> indices_;
   const TrainingCoverage training_;
+  const size_t group_size_;
   const bool held_out_;
   Renderer renderer_;
   MovingRegionMeter moving_;

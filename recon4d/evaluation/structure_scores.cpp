@@ -23,11 +23,11 @@ struct Plane {
 };
 
 /// Sums over used pixels of one channel.
-struct ChannelSums {
+struct StructureSums {
   double ssim = 0, structure = 0;  // luminance · structure; the contrast–structure factor
   /// Of the pixels whose window lies inside the image: SSIM at range 1 and 2.
   double inside = 0, inside_range2 = 0;
-  int64_t pixels = 0, inside_pixels = 0;
+  int64_t inside_pixels = 0;
 };
 
 double ssim_of(const SsimTerms<double>& terms) {
@@ -35,12 +35,11 @@ double ssim_of(const SsimTerms<double>& terms) {
 }
 
 /// Not inlined: no digit of it depends on what else is computed beside it.
-[[gnu::noinline]] void add_ssim(const SsimMoments<double>& moments, bool, ChannelSums& sums) {
+[[gnu::noinline]] void add_ssim(const SsimMoments<double>& moments, bool, StructureSums& sums) {
   sums.ssim += ssim_of(ssim_terms(moments));
-  ++sums.pixels;
 }
 
-void add_all(const SsimMoments<double>& moments, bool is_inside, ChannelSums& sums) {
+void add_all(const SsimMoments<double>& moments, bool is_inside, StructureSums& sums) {
   add_ssim(moments, is_inside, sums);
   const SsimTerms<double> terms = ssim_terms(moments);
   sums.structure += terms.D / terms.B;
@@ -52,9 +51,9 @@ void add_all(const SsimMoments<double>& moments, bool is_inside, ChannelSums& su
 
 /// read(y, a, b) writes row y of both planes; b becomes a where the mask ignores.
 template <class Read, class Add>
-ChannelSums sums_of(int width, int height, Padding padding, Span<const uint8_t> mask,
-                    const Read& read, const Add& add) {
-  ChannelSums sums;
+StructureSums sums_of(int width, int height, Padding padding, Span<const uint8_t> mask,
+                      const Read& read, const Add& add) {
+  StructureSums sums;
   const auto used = [&](int y, int x) {
     return is_used(mask, size_t(y) * size_t(width) + size_t(x));
   };
@@ -72,8 +71,8 @@ ChannelSums sums_of(int width, int height, Padding padding, Span<const uint8_t> 
 }
 
 template <class Add>
-ChannelSums sums_of(const Image8& a, const Image8& b, int channel, Padding padding,
-                    Span<const uint8_t> mask, const Add& add) {
+StructureSums sums_of(const Image8& a, const Image8& b, int channel, Padding padding,
+                      Span<const uint8_t> mask, const Add& add) {
   const auto row = [&](const Image8& image, int y, double* to) {
     const uint8_t* from = image.data.data() + 3 * size_t(y) * size_t(image.width) + channel;
     for (int x = 0; x < image.width; ++x) to[x] = from[3 * x] / 255.0;
@@ -85,7 +84,7 @@ ChannelSums sums_of(const Image8& a, const Image8& b, int channel, Padding paddi
   return sums_of(a.width, a.height, padding, mask, read, add);
 }
 
-ChannelSums sums_of(const Plane& a, const Plane& b) {
+StructureSums sums_of(const Plane& a, const Plane& b) {
   const auto read = [&](int y, double* to_a, double* to_b) {
     const int64_t first = int64_t(y) * a.width;
     std::copy_n(a.value.data() + first, a.width, to_a);
@@ -110,16 +109,16 @@ Plane halved(const Plane& from) {
 }
 
 /// Π_j mean(structure_j)^β_j · mean(SSIM_5)^β_5  [Wang03, Eq. 7]; `finest`: sums over x and y.
-double multi_scale(Plane x, Plane y, const ChannelSums& finest) {
+double multi_scale(Plane x, Plane y, const StructureSums& finest) {
   constexpr double kWeights[] = {.0448, .2856, .3001, .2363, .1333};
   constexpr size_t kScales = std::size(kWeights);
-  double product = std::pow(std::max(0.0, finest.structure / double(finest.pixels)), kWeights[0]);
+  double product = std::pow(std::max(0.0, finest.structure / double(x.value.size())), kWeights[0]);
   for (size_t j = 1; j < kScales; ++j) {
     x = halved(x);
     y = halved(y);
-    const ChannelSums sums = sums_of(x, y);
+    const StructureSums sums = sums_of(x, y);
     const double sum = j + 1 < kScales ? sums.structure : sums.ssim;
-    product *= std::pow(std::max(0.0, sum / double(sums.pixels)), kWeights[j]);
+    product *= std::pow(std::max(0.0, sum / double(x.value.size())), kWeights[j]);
   }
   return product;
 }
@@ -127,7 +126,7 @@ double multi_scale(Plane x, Plane y, const ChannelSums& finest) {
 /// Everything that follows from the reflected moments of a channel.
 StructureScores channel_scores(const Image8& a, const Image8& b, int channel,
                                Span<const uint8_t> mask) {
-  const ChannelSums sums = sums_of(a, b, channel, Padding::kReflect, mask, add_all);
+  const StructureSums sums = sums_of(a, b, channel, Padding::kReflect, mask, add_all);
   StructureScores scores;
   scores.reflect = sums.ssim / double(used_pixels(mask, a.data.size() / 3));
   if (sums.inside_pixels > 0) {
