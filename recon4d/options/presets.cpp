@@ -26,8 +26,6 @@ const OptionOverrides kBalanced = joined(kReduction, {{"iterations", 7000},
                                                       {"split_by_motion", true},
                                                       {"filter_2d", true},
                                                       {"average_from", 0.85}});
-/// Rigs of few cameras fit noise with more: 108,000 for ten of 480 × 360.
-constexpr int64_t kPixelsPerGaussian = 16;
 /// Gaussians grow where gradients stay large, up to a number that the pixels allow, and small
 /// weights on opacities and scales keep the model from what only training views show
 /// (research/growth.md).
@@ -96,9 +94,14 @@ void apply_rates(TrainOptions& options, const FrameRates& rates, const SceneFact
   options.lr_mean_time = rates.mean_time_rate / (frames * facts.extent);
 }
 
-/// Few cameras constrain positions little: more Gaussians than that fit their noise.
-void limit_by_pixels(TrainOptions& options, int64_t pixels_per_gaussian, int64_t pixels) {
-  if (pixels_per_gaussian > 0 && pixels > 0) lower_limit(options, pixels / pixels_per_gaussian);
+/// The more cameras film at once, the more of them see a Gaussian: it needs fewer pixels of each
+/// and less weight against what only one of them shows (research/growth.md).
+void fit_to_cameras(TrainOptions& options, const SceneFacts& facts) {
+  const int64_t cameras = std::max(facts.cameras, kFewCameras);
+  if (facts.camera_pixels > 0)
+    lower_limit(options, facts.camera_pixels * cameras / (kFewCameras * kPixelsOfFewCameras));
+  if (facts.rig())
+    options.opacity_weight = options.scale_weight = kRigWeight / double(facts.cameras);
 }
 
 /// Few views say less about a Gaussian: fewer of them in fewer steps, whose colours keep closer to
@@ -123,15 +126,15 @@ void lower_limit(TrainOptions& options, int64_t gaussians) {
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> rows = {
       {"fast", "a first result: 2,000 steps, at most 40,000 Gaussians; photos 2,800 steps, 150,000",
-       kFast, kFastStill, true, 0, kFastRig, kFastRigRates},
+       kFast, kFastStill, true, false, kFastRig, kFastRigRates},
       {"balanced",
        "the default: 7,000 steps, 6,000 of photos; what does not move becomes static, and the "
        "model is pruned",
-       kBalanced, kBalancedStill, true, kPixelsPerGaussian, kRig, kRigRates, kSingleView, kNodes},
+       kBalanced, kBalancedStill, true, true, kRig, kRigRates, kSingleView, kNodes},
       {"best",
        "highest quality: 15,000 steps, 14,000 of one camera, 16,000 of photos and up to 800,000 "
        "Gaussians",
-       kBest, kBestStill, true, kPixelsPerGaussian, kRig, kRigRates, kBestSingleView, kNodes},
+       kBest, kBestStill, true, true, kRig, kRigRates, kBestSingleView, kNodes},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
        {{"opacity_reset_interval", 3000}, {"idle_updates", "skip"}}},
@@ -186,7 +189,7 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, 
       for (const auto& [key, value] : named.single_view_overrides) set_option(options, key, value);
     if (facts.nodes)
       for (const auto& [key, value] : named.node_overrides) set_option(options, key, value);
-    limit_by_pixels(options, named.pixels_per_gaussian, facts.camera_pixels);
+    if (named.fits_to_cameras) fit_to_cameras(options, facts);
     return;
   }
   throw InputError(fmt::format("unknown {} '{}'{}", kind, name, known_names(name, names)));

@@ -45,6 +45,9 @@ struct FrameRates {
 /// Photos that are fewer than kManyViews are soon fitted beyond what they show.
 inline constexpr int64_t kManyViews = 90, kStepsPerView = 300;
 
+inline constexpr int64_t kFewCameras = 4, kPixelsOfFewCameras = 16;
+inline constexpr double kRigWeight = 0.1;
+
 /// A set of options under a name: a preset on top of the defaults, an ablation on top of that.
 struct NamedOptions {
   std::string name, doc;
@@ -54,8 +57,10 @@ struct NamedOptions {
   /// lr_sh_rest and raise opacity_weight and scale_weight in proportion, and iterations are at most
   /// kStepsPerView for each view.
   bool fits_to_views = false;
-  /// Lowers peak_gaussians where cameras have fewer pixels than so many for each; 0: never.
-  int64_t pixels_per_gaussian = 0;
+  /// Whether peak_gaussians is at most one for each kPixelsOfFewCameras pixels of kFewCameras
+  /// cameras that film at once, for fewer pixels of more cameras in proportion; and whether
+  /// opacity_weight and scale_weight of a rig are kRigWeight by its cameras.
+  bool fits_to_cameras = false;
   OptionOverrides rig_overrides = {};          // over the overrides, where SceneFacts::rig()
   FrameRates rig_rates = {};                   // likewise
   OptionOverrides single_view_overrides = {};  // likewise, where SceneFacts::single_view

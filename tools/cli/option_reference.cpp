@@ -187,6 +187,8 @@ std::string rig_default(const TrainOption& option) {
   if (key == "init_time_scale") return fmt::format("{:g} frames", rates.extent_frames);
   if (key == "lr_velocity") return fmt::format("{:g} scene extents a frame", rates.velocity_rate);
   if (key == "lr_mean_time") return fmt::format("{:g} frames", rates.mean_time_rate);
+  if (key == "opacity_weight" || key == "scale_weight")
+    return fmt::format("{:g} by the number of cameras", kRigWeight);
   return on_rig;
 }
 

@@ -168,10 +168,12 @@ std::string presets_page() {
       text += "\nWhere motion nodes carry the scene:\n\n";
       list(preset.node_overrides);
     }
-    if (preset.pixels_per_gaussian > 0)
+    if (preset.fits_to_cameras)
       text += fmt::format(
-          "\nAt most one Gaussian per {} pixels of the training cameras during growth.\n",
-          preset.pixels_per_gaussian);
+          "\nFor N training cameras that film at once: during growth at most one Gaussian per {}/N "
+          "of their pixels, {} for {} or fewer; `--opacity-weight` and `--scale-weight` of a rig "
+          "{:g}/N.\n",
+          kFewCameras * kPixelsOfFewCameras, kPixelsOfFewCameras, kFewCameras, kRigWeight);
     text += "\n";
   }
   text += "## Without a preset's value\n\n| option | value |\n|---|---|\n";
