@@ -8,7 +8,6 @@
 #include <unordered_set>
 
 #include "ingest/cloud/plane_sweep.h"
-#include "kernels/base/parallel.h"
 #include "kernels/math/random.h"
 
 namespace tessera {
@@ -51,45 +50,46 @@ int64_t round_size(int64_t missing, int64_t found, int64_t tried) {
   return std::clamp(int64_t(kMore * double(missing) / yield), kFewest, kMost);
 }
 
-/// The first of a few random pixels that belongs to the part.
-std::optional<SweptPoint> attempt(const PlaneSweep& sweep, const CloudOptions& options,
-                                  int64_t number) {
+SweptPixel random_pixel(const PlaneSweep& sweep, uint64_t seed, int64_t number) {
+  const RandomBlock random = philox(seed, RandomStream::kInitialise, uint64_t(number), 2);
+  const int frame = sweep.frames()[random.word[0] % uint32_t(sweep.frames().size())];
+  const Image8& image = sweep.scene().frames[size_t(frame)].image;
+  return {frame, int(uniform(random.word[1]) * float(image.width)),
+          int(uniform(random.word[2]) * float(image.height))};
+}
+
+/// For each try from `begin` on, the first of a few random pixels that belongs to the part, if one
+/// does.
+std::vector<SweptPixel> pixels_of(const PlaneSweep& sweep, const CloudOptions& options,
+                                  int64_t begin, int64_t count) {
   constexpr int64_t kPixels = 32;
-  const int64_t most = options.part == CloudPart::kAll ? 1 : kPixels;
-  for (int64_t i = 0; i < most; ++i) {
-    const RandomBlock random =
-        philox(options.seed, RandomStream::kInitialise, uint64_t(number * most + i), 2);
-    const int frame = sweep.frames()[random.word[0] % uint32_t(sweep.frames().size())];
-    const Image8& image = sweep.scene().frames[size_t(frame)].image;
-    const int x = int(uniform(random.word[1]) * float(image.width));
-    const int y = int(uniform(random.word[2]) * float(image.height));
-    const bool sought = options.part == CloudPart::kAll ||
-                        sweep.moves(frame, x, y) == (options.part == CloudPart::kMoving);
-    if (sought) return sweep.find(frame, x, y);
+  if (options.part == CloudPart::kAll) {
+    std::vector<SweptPixel> pixels;
+    for (int64_t i = begin; i < begin + count; ++i)
+      pixels.push_back(random_pixel(sweep, options.seed, i));
+    return pixels;
   }
-  return std::nullopt;
+  return sweep.first_of(count, kPixels, options.part == CloudPart::kMoving, [&](int64_t i) {
+    return random_pixel(sweep, options.seed, begin * kPixels + i);
+  });
 }
 
 }  // namespace
 
 std::vector<SweptPoint> dense_points(const PlaneSweep& sweep, const CloudOptions& options) {
-  constexpr int64_t kGrain = 16;  // pixels
   std::vector<SweptPoint> points;
   if (sweep.frames().empty()) return points;
   Voxels voxels;
-  std::vector<std::optional<SweptPoint>> found;
   const int64_t tries = kTriesAPoint * options.points;
-  for (int64_t begin = 0; begin < tries; begin += int64_t(found.size())) {
+  int64_t count = 0;
+  for (int64_t begin = 0; begin < tries; begin += count) {
     const auto have = int64_t(points.size());
-    found.resize(size_t(std::min(round_size(options.points - have, have, begin), tries - begin)));
-    if (options.progress) options.progress(int64_t(points.size()));
-    parallel_for(int64_t(found.size()), kGrain, [&](int64_t from, int64_t to) {
-      for (int64_t i = from; i < to; ++i) found[size_t(i)] = attempt(sweep, options, begin + i);
-    });
-    for (const std::optional<SweptPoint>& point : found) {
+    count = std::min(round_size(options.points - have, have, begin), tries - begin);
+    if (options.progress) options.progress(have);
+    for (const SweptPoint& point : sweep.find(pixels_of(sweep, options, begin, count))) {
       if (int64_t(points.size()) == options.points) return points;
-      if (point && voxels.take(*point, sweep.scene().frames[size_t(point->frame)].timestep))
-        points.push_back(*point);
+      if (voxels.take(point, sweep.scene().frames[size_t(point.frame)].timestep))
+        points.push_back(point);
     }
   }
   return points;

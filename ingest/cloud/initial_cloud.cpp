@@ -186,7 +186,7 @@ double changing_share(const PlaneSweep& sweep) {
     const Image8& image = sweep.scene().frames[size_t(frame)].image;
     for (int y = 0; y < image.height; y += kApart)
       for (int x = 0; x < image.width; x += kApart) {
-        changing += sweep.moves(frame, x, y);
+        changing += sweep.moves({frame, x, y});
         ++all;
       }
   }

@@ -22,6 +22,20 @@ constexpr float kMostDifference = 12;  // of agreeing patches, levels
 constexpr float kMostUnlike = 0.7f;    // of agreeing patches, by their texture
 constexpr double kSamePoint = 1.5;     // pixels between a point and where the other camera has it
 
+/// make(i), as far as there is one, in the order of i below `count`.
+template <class Value>
+std::vector<Value> all_of(int64_t count, const std::function<std::optional<Value>(int64_t)>& make) {
+  constexpr int64_t kGrain = 16;  // pixels
+  std::vector<std::optional<Value>> made(static_cast<size_t>(count));
+  parallel_for(count, kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) made[size_t(i)] = make(i);
+  });
+  std::vector<Value> found;
+  for (const std::optional<Value>& value : made)
+    if (value) found.push_back(*value);
+  return found;
+}
+
 }  // namespace
 
 struct PlaneSweep::Depth {
@@ -78,16 +92,17 @@ bool PlaneSweep::expect_motion_of(const std::vector<SweptPoint>& points) {
   return true;
 }
 
-std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y) const {
-  std::optional<Depth> found = search(index, x, y, glm::dvec3(0));
-  const auto velocity = expected_ ? expected_->at(index, x, y) : std::nullopt;
+std::optional<PlaneSweep::Depth> PlaneSweep::search(const SweptPixel& pixel) const {
+  std::optional<Depth> found = search(pixel, glm::dvec3(0));
+  const auto velocity = expected_ ? expected_->at(pixel.frame, pixel.x, pixel.y) : std::nullopt;
   if (!velocity) return found;
-  const std::optional<Depth> moving = search(index, x, y, *velocity);
+  const std::optional<Depth> moving = search(pixel, *velocity);
   return moving && (!found || moving->cost < found->cost) ? moving : found;
 }
 
-std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y,
+std::optional<PlaneSweep::Depth> PlaneSweep::search(const SweptPixel& pixel,
                                                     const glm::dvec3& velocity) const {
+  const auto [index, x, y] = pixel;
   const Frame& frame = scene_.frames[size_t(index)];
   if (!has_patch(frame.image, x, y) || frame.mask.ignores(x, y)) return std::nullopt;
   const Patch patch = patch_at(frame.image, x, y);
@@ -135,34 +150,50 @@ bool PlaneSweep::confirmed(int frame, const Depth& depth) const {
   const Frame &here = scene_.frames[size_t(frame)], &other = scene_.frames[size_t(depth.best)];
   const double later = other.time - here.time;
   const glm::dvec2 other_pixel = pixel(other.camera, depth.point + later * depth.velocity);
-  const std::optional<Depth> back = search(depth.best, int(other_pixel.x), int(other_pixel.y));
+  const std::optional<Depth> back = search({depth.best, int(other_pixel.x), int(other_pixel.y)});
   if (!back) return false;
   return glm::distance(pixel(here.camera, back->point - later * back->velocity),
                        pixel(here.camera, depth.point)) <= kSamePoint;
 }
 
-bool PlaneSweep::still(int index, int x, int y) const {
-  return still_pixels_->still(scene_.frames[size_t(index)], light_.at(index), x, y);
+bool PlaneSweep::still(const SweptPixel& pixel) const {
+  return still_pixels_->still(scene_.frames[size_t(pixel.frame)], light_.at(pixel.frame), pixel.x,
+                              pixel.y);
 }
 
-bool PlaneSweep::moves(int index, int x, int y) const {
-  const Frame& frame = scene_.frames[size_t(index)];
-  return has_patch(frame.image, x, y) && !still(index, x, y);
+bool PlaneSweep::moves(const SweptPixel& pixel) const {
+  const Frame& frame = scene_.frames[size_t(pixel.frame)];
+  return has_patch(frame.image, pixel.x, pixel.y) && !still(pixel);
 }
 
-std::optional<SweptPoint> PlaneSweep::find(int index, int x, int y) const {
-  const std::optional<Depth> depth = search(index, x, y);
-  if (!depth || !confirmed(index, *depth)) return std::nullopt;
-  const Frame& frame = scene_.frames[size_t(index)];
+std::optional<SweptPoint> PlaneSweep::find(const SweptPixel& pixel) const {
+  const std::optional<Depth> depth = search(pixel);
+  if (!depth || !confirmed(pixel.frame, *depth)) return std::nullopt;
+  const Frame& frame = scene_.frames[size_t(pixel.frame)];
   const uint8_t* rgb =
-      frame.image.data.data() + 3 * (size_t(y) * size_t(frame.image.width) + size_t(x));
+      frame.image.data.data() + 3 * (size_t(pixel.y) * size_t(frame.image.width) + size_t(pixel.x));
   return SweptPoint{glm::vec3(depth->point),
                     {rgb[0], rgb[1], rgb[2]},
                     float(frame.time),
-                    still(index, x, y),
+                    still(pixel),
                     float(1 / (depth->inverse * frame.camera.fl_x)),
-                    index,
+                    pixel.frame,
                     glm::vec3(depth->velocity)};
+}
+
+std::vector<SweptPoint> PlaneSweep::find(const std::vector<SweptPixel>& pixels) const {
+  return all_of<SweptPoint>(int64_t(pixels.size()),
+                            [&](int64_t i) { return find(pixels[size_t(i)]); });
+}
+
+std::vector<SweptPixel> PlaneSweep::first_of(
+    int64_t groups, int64_t each, bool moving,
+    const std::function<SweptPixel(int64_t)>& pixel) const {
+  return all_of<SweptPixel>(groups, [&](int64_t group) -> std::optional<SweptPixel> {
+    for (int64_t i = group * each; i < (group + 1) * each; ++i)
+      if (const SweptPixel tried = pixel(i); moves(tried) == moving) return tried;
+    return std::nullopt;
+  });
 }
 
 std::vector<int> PlaneSweep::agreeing_frames(const SweptPoint& point) const {

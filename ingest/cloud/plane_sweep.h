@@ -2,6 +2,7 @@
 // have no depth here, because no two cameras share a timestep. Source: plane sweep [Collins96]; the
 // check from another camera is the left-right check of stereo matching.
 #pragma once
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -25,6 +26,11 @@ struct SweptPoint {
   /// World units per unit of normalised time: that with which the cameras agreed on the point, then
   /// that of point_velocities.h.
   glm::vec3 velocity{0};
+};
+
+/// A pixel of a frame, index into Scene::frames.
+struct SweptPixel {
+  int frame, x, y;
 };
 
 /// Where the point is `later` than its frame, in units of normalised time.
@@ -51,10 +57,16 @@ class PlaneSweep {
   const std::vector<int>& frames() const { return usable_; }
   /// None where a mask ignores the pixel, or without texture, agreement, a distinct best depth, or
   /// confirmation from the other camera.
-  std::optional<SweptPoint> find(int frame, int x, int y) const;
+  std::optional<SweptPoint> find(const SweptPixel& pixel) const;
+  /// The points of many pixels, in their order.
+  std::vector<SweptPoint> find(const std::vector<SweptPixel>& pixels) const;
+  /// Of each of `groups` groups of `each` pixels, the first that moves or, if not `moving`, does
+  /// not; of some groups there is none. `pixel`: by its number, groups follow one another.
+  std::vector<SweptPixel> first_of(int64_t groups, int64_t each, bool moving,
+                                   const std::function<SweptPixel(int64_t)>& pixel) const;
   /// Whether the pixel of one of frames() looks different at another time of the clip; false at the
   /// image's edge, where no patch fits.
-  bool moves(int frame, int x, int y) const;
+  bool moves(const SweptPixel& pixel) const;
   /// The frame that the point was found in, and those that it was compared with and which agree on
   /// what the point looks like.
   std::vector<int> agreeing_frames(const SweptPoint& point) const;
@@ -62,10 +74,10 @@ class PlaneSweep {
  private:
   struct Depth;  // what a search along a ray found
 
-  std::optional<Depth> search(int frame, int x, int y) const;
-  std::optional<Depth> search(int frame, int x, int y, const glm::dvec3& velocity) const;
+  std::optional<Depth> search(const SweptPixel& pixel) const;
+  std::optional<Depth> search(const SweptPixel& pixel, const glm::dvec3& velocity) const;
   bool confirmed(int frame, const Depth& depth) const;
-  bool still(int frame, int x, int y) const;
+  bool still(const SweptPixel& pixel) const;
   void choose_neighbours(const std::vector<int>& frames);
 
   const Scene& scene_;

@@ -19,7 +19,7 @@ std::vector<SweptPoint> swept(const Scene& scene) {
   for (int frame : sweep.frames())
     for (int y = 0; y < scene.frames[size_t(frame)].image.height; y += 3)
       for (int x = 0; x < scene.frames[size_t(frame)].image.width; x += 3)
-        if (const auto point = sweep.find(frame, x, y)) points.push_back(*point);
+        if (const auto point = sweep.find({frame, x, y})) points.push_back(*point);
   return points;
 }
 
@@ -86,7 +86,7 @@ TEST(PlaneSweep, SomethingMayPassBeforeWhatIsStill) {
         const double time = scene.frames[size_t(frame)].time;
         const bool in_passing = time > 0.4 && time < 0.6;
         if (in_passing) continue;
-        EXPECT_FALSE(sweep.moves(frame, x, y)) << frame << ": " << x << ", " << y;
+        EXPECT_FALSE(sweep.moves({frame, x, y})) << frame << ": " << x << ", " << y;
         ++behind;
       }
   EXPECT_GT(behind, 500);
@@ -119,7 +119,7 @@ TEST(PlaneSweep, MaskedPixelsGiveNoPointAndHaveNoEffect) {
   const auto count = [&](int begin, int end) {
     int64_t found = 0;
     for (int y = 4; y < 92; y += 4)
-      for (int x = begin; x < end; x += 4) found += sweep.find(2, x, y).has_value();
+      for (int x = begin; x < end; x += 4) found += sweep.find({2, x, y}).has_value();
     return found;
   };
   EXPECT_EQ(count(0, 48), 0);
@@ -148,7 +148,7 @@ TEST(PlaneSweep, TheOtherCameraMustConsent) {
   const PlaneSweep sweep(scene);
   int64_t found = 0;
   for (int y = 3; y < 93; ++y)  // in the middle, which all cameras see at all depths
-    for (int x = 36; x < 60; ++x) found += sweep.find(2, x, y).has_value();
+    for (int x = 36; x < 60; ++x) found += sweep.find({2, x, y}).has_value();
   // of 2,160 pixels; by chance a few agree both ways (317 do; 1,570 without the check)
   EXPECT_LT(found, 500);
 }
