@@ -15,6 +15,7 @@
 #include "kernels/math/filter_3d.h"
 #include "kernels/math/residual_vote.h"
 #include "kernels/motion_nodes.h"
+#include "kernels/pixel_search.h"
 #include "kernels/stage_clock.h"
 
 namespace tessera {
@@ -204,6 +205,9 @@ class BackendOf {
   /// Makes one more backend of the same device, on the thread that will use it: their work runs
   /// side by side. Empty: one uses all of the device.
   virtual std::function<std::unique_ptr<BackendOf>()> another() { return {}; }
+  /// Depths of pixels on this device, in its memory; none where the host is as quick. It must end
+  /// before this does.
+  virtual std::unique_ptr<PixelSearch> pixel_search() { return nullptr; }
 
   /// Poses of the nodes in every view, weights of every binding, and every Gaussian of a canonical
   /// set in every view. What is bound to no node stays as it is at rest, bit by bit.

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "ingest/clocks/timesteps.h"
-#include "ingest/cloud/patch.h"
+#include "ingest/cloud/grey_patch.h"
 #include "kernels/base/cholesky.h"
 #include "kernels/base/median.h"
 
@@ -62,15 +62,15 @@ std::optional<Patch> patch_of(const Frame& frame, const glm::dvec3& point) {
   if (p.z <= 0) return std::nullopt;
   const double u = camera.fl_x * p.x / p.z + camera.cx, v = camera.fl_y * p.y / p.z + camera.cy;
   if (!(u >= 0 && v >= 0 && u < frame.image.width && v < frame.image.height)) return std::nullopt;
-  if (!has_patch(frame.image, int(u), int(v))) return std::nullopt;
+  if (!has_patch(rgb_of(frame.image), int(u), int(v))) return std::nullopt;
   if (frame.mask.ignores(int(u), int(v))) return std::nullopt;
-  return patch_between(frame.image, u, v);
+  return patch_between(rgb_of(frame.image), u, v);
 }
 
 /// Neither so dark that rounding matters nor saturated.
 bool is_measurable(const Patch& patch) {
   constexpr float kDarkest = 16, kBrightest = 235;  // levels
-  return std::all_of(patch.mean.begin(), patch.mean.end(),
+  return std::all_of(std::begin(patch.mean), std::end(patch.mean),
                      [](float mean) { return mean > kDarkest && mean < kBrightest; });
 }
 

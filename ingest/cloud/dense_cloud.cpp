@@ -50,7 +50,7 @@ int64_t round_size(int64_t missing, int64_t found, int64_t tried) {
   return std::clamp(int64_t(kMore * double(missing) / yield), kFewest, kMost);
 }
 
-SweptPixel random_pixel(const PlaneSweep& sweep, uint64_t seed, int64_t number) {
+ViewPixel random_pixel(const PlaneSweep& sweep, uint64_t seed, int64_t number) {
   const RandomBlock random = philox(seed, RandomStream::kInitialise, uint64_t(number), 2);
   const int frame = sweep.frames()[random.word[0] % uint32_t(sweep.frames().size())];
   const Image8& image = sweep.scene().frames[size_t(frame)].image;
@@ -60,11 +60,11 @@ SweptPixel random_pixel(const PlaneSweep& sweep, uint64_t seed, int64_t number) 
 
 /// For each try from `begin` on, the first of a few random pixels that belongs to the part, if one
 /// does.
-std::vector<SweptPixel> pixels_of(const PlaneSweep& sweep, const CloudOptions& options,
-                                  int64_t begin, int64_t count) {
+std::vector<ViewPixel> pixels_of(const PlaneSweep& sweep, const CloudOptions& options,
+                                 int64_t begin, int64_t count) {
   constexpr int64_t kPixels = 32;
   if (options.part == CloudPart::kAll) {
-    std::vector<SweptPixel> pixels;
+    std::vector<ViewPixel> pixels;
     for (int64_t i = begin; i < begin + count; ++i)
       pixels.push_back(random_pixel(sweep, options.seed, i));
     return pixels;

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "ingest/cloud/patch.h"
+#include "ingest/cloud/grey_patch.h"
 
 namespace tessera {
 

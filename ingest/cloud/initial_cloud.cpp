@@ -101,8 +101,13 @@ class Window {
 class MovingPoints {
  public:
   MovingPoints(const Clip& clip, const CloudOptions& options,
-               std::shared_ptr<const StillPixels> still_pixels, RigCloud& cloud)
-      : window_(clip), options_(options), still_pixels_(std::move(still_pixels)), cloud_(cloud) {
+               std::shared_ptr<const StillPixels> still_pixels, PixelSearch* device,
+               RigCloud& cloud)
+      : window_(clip),
+        options_(options),
+        still_pixels_(std::move(still_pixels)),
+        device_(device),
+        cloud_(cloud) {
     options_.part = CloudPart::kMoving;
     options_.progress = nullptr;
   }
@@ -112,7 +117,7 @@ class MovingPoints {
     options_.seed += 1;
     const Clock::time_point start = Clock::now();
     window_.move_to(place);
-    PlaneSweep sweep(window_.here(), still_pixels_);
+    PlaneSweep sweep(window_.here(), still_pixels_, device_);
     cloud_.sweep_seconds += seconds_since(start);
     VelocityCount count;
     std::vector<SweptPoint> points = found(sweep, count);
@@ -145,6 +150,7 @@ class MovingPoints {
   Window window_;
   CloudOptions options_;
   std::shared_ptr<const StillPixels> still_pixels_;
+  PixelSearch* device_;
   RigCloud& cloud_;
 };
 
@@ -195,10 +201,12 @@ double changing_share(const PlaneSweep& sweep) {
 
 }  // namespace
 
-RigCloud rig_cloud(const CloudFrames& frames, const CloudOptions& options) {
+RigCloud rig_cloud(const CloudFrames& frames, const CloudOptions& options,
+                   const std::function<std::unique_ptr<PixelSearch>()>& device) {
   RigCloud cloud;
   const Clip clip(frames);
   if (!clip.has_rig()) return cloud;
+  const std::unique_ptr<PixelSearch> search = device ? device() : nullptr;
   const std::vector<int64_t> keys = clip.keys(), motion_keys = motion_timesteps(clip.count());
   cloud.key_timesteps = int64_t(keys.size());
   cloud.motion_timesteps = int64_t(motion_keys.size());
@@ -206,7 +214,7 @@ RigCloud rig_cloud(const CloudFrames& frames, const CloudOptions& options) {
   const Scene scene = clip.loaded(keys);
   const auto still_pixels = std::make_shared<const StillPixels>(scene);
   cloud.sweep_seconds = seconds_since(start);
-  MovingPoints moving(clip, options, still_pixels, cloud);
+  MovingPoints moving(clip, options, still_pixels, search.get(), cloud);
   const auto count = int64_t(motion_keys.size());
   const int64_t most = options.points / 2;
   std::vector<SweptPoint> points;
@@ -222,7 +230,7 @@ RigCloud rig_cloud(const CloudFrames& frames, const CloudOptions& options) {
   still.points = options.points - int64_t(points.size());
   if (options.progress)
     still.progress = [&](int64_t done) { options.progress(int64_t(points.size()) + done); };
-  const PlaneSweep sweep(scene, still_pixels);
+  const PlaneSweep sweep(scene, still_pixels, search.get());
   const std::vector<SweptPoint> found = dense_points(sweep, still);
   if (cloud.velocities.moving == 0) cloud.changing_share = changing_share(sweep);
   points.insert(points.end(), found.begin(), found.end());

@@ -4,6 +4,8 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "ingest/capture/capture.h"
@@ -11,6 +13,7 @@
 #include "ingest/cloud/dense_cloud.h"
 #include "ingest/cloud/point_velocities.h"
 #include "ingest/ingest.h"
+#include "kernels/pixel_search.h"
 
 namespace tessera {
 
@@ -28,8 +31,10 @@ struct RigCloud {
 /// the points move, an equal number at each of motion_timesteps(). Images of the key timesteps
 /// (key_timesteps(), as many as fit into 2 GiB, 2 at least) and of three more are asked for at a
 /// time. Empty when no three training cameras share a timestep. The same for any number of threads.
-/// Errors: as load_scene.
-RigCloud rig_cloud(const CloudFrames& frames, const CloudOptions& options);
+/// `device`: searches pixels in place of the CPU and finds the same; asked for where there is a
+/// rig, and may be empty or give none. Errors: as load_scene; DeviceError.
+RigCloud rig_cloud(const CloudFrames& frames, const CloudOptions& options,
+                   const std::function<std::unique_ptr<PixelSearch>()>& device = {});
 
 /// One line: how many points and timesteps, how many move, how many of these have a velocity.
 std::string summary(const RigCloud& cloud);

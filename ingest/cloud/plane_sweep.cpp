@@ -3,31 +3,37 @@
 #include "ingest/cloud/plane_sweep.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
 
 #include "ingest/clocks/timesteps.h"
 #include "ingest/cloud/ray_search.h"
+#include "kernels/base/camera_rig.h"
 #include "kernels/base/parallel.h"
 
 namespace tessera {
 namespace {
 
 constexpr double kNearest = 0.25, kFarthest = 4;  // of the distance to the rig's focus
-constexpr double kPixelsAPlane = 1.5;             // most that a pixel moves in a median neighbour
-constexpr int kFewestPlanes = 48;
-constexpr float kLeastTexture = 2;     // of a patch, levels
-constexpr float kMostDifference = 12;  // of agreeing patches, levels
-constexpr float kMostUnlike = 0.7f;    // of agreeing patches, by their texture
-constexpr double kSamePoint = 1.5;     // pixels between a point and where the other camera has it
+constexpr double kSamePoint = 1.5;  // pixels between a point and where the other camera has it
+constexpr int64_t kGrainPixels = 16;
+
+DepthRange depth_range(const Scene& scene) {
+  const double distance = make_camera_rig(scene.training_cameras()).distance;
+  const double farthest = 1 / (kFarthest * distance);
+  return {farthest, 1 / (kNearest * distance) - farthest};
+}
+
+/// Begins to bring the pixels of a patch to the cache.
+void fetch_patch(const RgbView& image, int x, int y) {
+  for (int dy = -Patch::kRadius; dy <= Patch::kRadius; ++dy)
+    __builtin_prefetch(image.at(x - Patch::kRadius, y + dy));
+}
 
 /// make(i), as far as there is one, in the order of i below `count`.
 template <class Value>
 std::vector<Value> all_of(int64_t count, const std::function<std::optional<Value>(int64_t)>& make) {
-  constexpr int64_t kGrain = 16;  // pixels
   std::vector<std::optional<Value>> made(static_cast<size_t>(count));
-  parallel_for(count, kGrain, [&](int64_t begin, int64_t end) {
+  parallel_for(count, kGrainPixels, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) made[size_t(i)] = make(i);
   });
   std::vector<Value> found;
@@ -49,24 +55,29 @@ struct PlaneSweep::Depth {
 PlaneSweep::PlaneSweep(const Scene& scene)
     : PlaneSweep(scene, std::make_shared<const StillPixels>(scene)) {}
 
-PlaneSweep::PlaneSweep(const Scene& scene, std::shared_ptr<const StillPixels> still_pixels)
-    : scene_(scene),
-      rig_(make_camera_rig(scene.training_cameras())),
-      still_pixels_(std::move(still_pixels)) {
+PlaneSweep::PlaneSweep(const Scene& scene, std::shared_ptr<const StillPixels> still_pixels,
+                       PixelSearch* device)
+    : scene_(scene), range_(depth_range(scene)), views_(scene.frames.size()), device_(device) {
   for (const Timestep& timestep : training_timesteps(scene))
     if (timestep.frames.size() >= 3) choose_neighbours(timestep.frames);
-  for (const int frame : usable_) {
-    grey_[frame] = {};
-    light_[frame] = {};
-  }
+  for (const int frame : usable_) grey_[frame] = {};
   parallel_for(int64_t(usable_.size()), 1, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       const int index = usable_[size_t(i)];
       const Frame& frame = scene.frames[size_t(index)];
-      grey_.at(index) = grey_image(frame.image);
-      light_.at(index) = still_pixels_->light_of(frame);
+      SearchView& view = views_[size_t(index)];
+      if (device_ == nullptr) grey_.at(index) = grey_image(frame.image);
+      view.image = rgb_of(frame.image);
+      view.grey = grey_.at(index).level.data();
+      view.mask = frame.mask.data().empty() ? nullptr : frame.mask.data().data();
+      view.camera = frame.camera;
+      view.eye = frame.camera.position();
+      view.time = frame.time;
+      for (const StillSight& sight : still_pixels->sights_of(frame, still_pixels->light_of(frame)))
+        view.sights[view.sight_count++] = sight;
     }
   });
+  if (device_ != nullptr) device_->set_views(views_, range_);
 }
 
 /// The cameras that stand nearest: the more they differ, the less they see of the same side.
@@ -79,8 +90,9 @@ void PlaneSweep::choose_neighbours(const std::vector<int>& frames) {
         others.emplace_back(glm::distance(eye, scene_.frames[size_t(other)].camera.position()),
                             other);
     std::sort(others.begin(), others.end());
-    others.resize(std::min(others.size(), RaySearch::kMostSights));
-    for (const auto& [distance, other] : others) neighbours_[frame].push_back(other);
+    others.resize(std::min(others.size(), size_t(kMostSights)));
+    SearchView& view = views_[size_t(frame)];
+    for (const auto& [distance, other] : others) view.others[view.other_count++] = other;
     usable_.push_back(frame);
   }
 }
@@ -92,136 +104,140 @@ bool PlaneSweep::expect_motion_of(const std::vector<SweptPoint>& points) {
   return true;
 }
 
-std::optional<PlaneSweep::Depth> PlaneSweep::search(const SweptPixel& pixel) const {
-  std::optional<Depth> found = search(pixel, glm::dvec3(0));
-  const auto velocity = expected_ ? expected_->at(pixel.frame, pixel.x, pixel.y) : std::nullopt;
-  if (!velocity) return found;
-  const std::optional<Depth> moving = search(pixel, *velocity);
-  return moving && (!found || moving->cost < found->cost) ? moving : found;
+std::vector<RayDepth> PlaneSweep::depths(const std::vector<RayQuery>& queries) const {
+  if (device_ != nullptr) return device_->depths(queries);
+  std::vector<RayDepth> found(queries.size());
+  parallel_for(int64_t(queries.size()), kGrainPixels, [&](int64_t begin, int64_t end) {
+    for (auto i = size_t(begin); i < size_t(end); ++i)
+      found[i] = ray_depth(views_, range_, queries[i]);
+  });
+  return found;
 }
 
-std::optional<PlaneSweep::Depth> PlaneSweep::search(const SweptPixel& pixel,
-                                                    const glm::dvec3& velocity) const {
-  const auto [index, x, y] = pixel;
-  const Frame& frame = scene_.frames[size_t(index)];
-  if (!has_patch(frame.image, x, y) || frame.mask.ignores(x, y)) return std::nullopt;
-  const Patch patch = patch_at(frame.image, x, y);
-  const float structure = texture(patch);
-  if (structure < kLeastTexture) return std::nullopt;
-  const Camera& camera = frame.camera;
-  const glm::dmat3 world_from_cam = glm::transpose(camera.cam_from_world);
-  const glm::dvec3 eye = camera.position();
-  const glm::dvec3 ray = world_from_cam * glm::dvec3((x + 0.5 - camera.cx) / camera.fl_x,
-                                                     (y + 0.5 - camera.cy) / camera.fl_y, 1);
-  const std::vector<int>& others = neighbours_.at(index);
-  std::vector<RaySight> sights;
-  for (int i : others) {
-    const Frame& other = scene_.frames[size_t(i)];
-    sights.push_back({&other.image, &other.mask, &grey_.at(i), &other.camera, i,
-                      other.camera.cam_from_world * ray,
-                      other.camera.cam_from_world * (eye + (other.time - frame.time) * velocity) +
-                          other.camera.translation});
-  }
-  const double farthest = 1 / (kFarthest * rig_.distance);
-  const double range = 1 / (kNearest * rig_.distance) - farthest;
-  const Camera& median = scene_.frames[size_t(others[others.size() / 2])].camera;
-  const double shift = median.fl_x * glm::distance(median.position(), eye) * range;  // pixels
-  const int planes = std::clamp(int(shift / kPixelsAPlane), kFewestPlanes, RaySearch::kMostPlanes);
-  const RaySearch search(patch, grey_patch_at(grey_.at(index), x, y), std::move(sights),
-                         {farthest, range / (planes - 1), planes});
-
-  const std::optional<int> plane = search.best_plane();
-  if (!plane) return std::nullopt;
-  const double fine = search.refined(*plane);
-  int best = -1;
-  const float cost = search.fine(fine, best);
-  if (!(cost < std::min(kMostDifference, kMostUnlike * structure))) return std::nullopt;
-  const double inverse = search.inverse(fine);
-  if (!(inverse > 0)) return std::nullopt;
-  return Depth{inverse, best, cost, eye + ray / inverse, velocity};
-}
-
-/// Whether the search from the other camera's pixel ends at the same place, as `frame` sees it.
-bool PlaneSweep::confirmed(int frame, const Depth& depth) const {
-  const auto pixel = [&](const Camera& camera, const glm::dvec3& p) {
-    const glm::dvec3 q = camera.cam_from_world * p + camera.translation;
-    return glm::dvec2(camera.fl_x * q.x / q.z + camera.cx, camera.fl_y * q.y / q.z + camera.cy);
+/// As something at rest and, where a motion is expected, as something that moves so: what the
+/// cameras agree on more.
+std::vector<std::optional<PlaneSweep::Depth>> PlaneSweep::search(
+    const std::vector<ViewPixel>& pixels) const {
+  std::vector<RayQuery> queries;
+  std::vector<size_t> of;  // the pixel of each
+  const auto add = [&](size_t i, const glm::dvec3& velocity) {
+    of.push_back(i);
+    queries.push_back({pixels[i], velocity});
   };
-  const Frame &here = scene_.frames[size_t(frame)], &other = scene_.frames[size_t(depth.best)];
-  const double later = other.time - here.time;
-  const glm::dvec2 other_pixel = pixel(other.camera, depth.point + later * depth.velocity);
-  const std::optional<Depth> back = search({depth.best, int(other_pixel.x), int(other_pixel.y)});
-  if (!back) return false;
-  return glm::distance(pixel(here.camera, back->point - later * back->velocity),
-                       pixel(here.camera, depth.point)) <= kSamePoint;
+  for (size_t i = 0; i < pixels.size(); ++i) add(i, glm::dvec3(0));
+  for (size_t i = 0; expected_ && i < pixels.size(); ++i)
+    if (const auto velocity = expected_->at(pixels[i].view, pixels[i].x, pixels[i].y))
+      add(i, *velocity);
+  const std::vector<RayDepth> found = depths(queries);
+  std::vector<std::optional<Depth>> best(pixels.size());
+  for (size_t k = 0; k < queries.size(); ++k) {
+    const RayDepth& depth = found[k];
+    std::optional<Depth>& kept = best[of[k]];
+    if (depth.inverse == 0 || (kept && kept->cost <= depth.cost)) continue;
+    const RayQuery& query = queries[k];
+    const SearchView& view = views_[size_t(query.pixel.view)];
+    kept = Depth{depth.inverse, depth.best, depth.cost,
+                 view.eye + ray_of(view, query.pixel.x, query.pixel.y) / depth.inverse,
+                 query.velocity};
+  }
+  return best;
 }
 
-bool PlaneSweep::still(const SweptPixel& pixel) const {
-  return still_pixels_->still(scene_.frames[size_t(pixel.frame)], light_.at(pixel.frame), pixel.x,
-                              pixel.y);
+glm::dvec2 PlaneSweep::pixel_of(const glm::dvec3& point, int frame) const {
+  const Camera& camera = scene_.frames[size_t(frame)].camera;
+  const glm::dvec3 q = camera.cam_from_world * point + camera.translation;
+  return {camera.fl_x * q.x / q.z + camera.cx, camera.fl_y * q.y / q.z + camera.cy};
 }
 
-bool PlaneSweep::moves(const SweptPixel& pixel) const {
-  const Frame& frame = scene_.frames[size_t(pixel.frame)];
-  return has_patch(frame.image, pixel.x, pixel.y) && !still(pixel);
+bool PlaneSweep::still(const ViewPixel& pixel) const {
+  const SearchView& view = views_[size_t(pixel.view)];
+  // frames lie far apart in memory: all patches are on their way before the first is compared
+  for (int i = 0; i < view.sight_count; ++i) fetch_patch(view.sights[i].image, pixel.x, pixel.y);
+  return is_still(view.image, pixel.x, pixel.y, view.sights, view.sight_count);
 }
 
-std::optional<SweptPoint> PlaneSweep::find(const SweptPixel& pixel) const {
-  const std::optional<Depth> depth = search(pixel);
-  if (!depth || !confirmed(pixel.frame, *depth)) return std::nullopt;
-  const Frame& frame = scene_.frames[size_t(pixel.frame)];
-  const uint8_t* rgb =
-      frame.image.data.data() + 3 * (size_t(pixel.y) * size_t(frame.image.width) + size_t(pixel.x));
-  return SweptPoint{glm::vec3(depth->point),
-                    {rgb[0], rgb[1], rgb[2]},
-                    float(frame.time),
-                    still(pixel),
-                    float(1 / (depth->inverse * frame.camera.fl_x)),
-                    pixel.frame,
-                    glm::vec3(depth->velocity)};
+bool PlaneSweep::moves(const ViewPixel& pixel) const {
+  return has_patch(views_[size_t(pixel.view)].image, pixel.x, pixel.y) && !still(pixel);
 }
 
-std::vector<SweptPoint> PlaneSweep::find(const std::vector<SweptPixel>& pixels) const {
-  return all_of<SweptPoint>(int64_t(pixels.size()),
-                            [&](int64_t i) { return find(pixels[size_t(i)]); });
+std::optional<SweptPoint> PlaneSweep::find(const ViewPixel& pixel) const {
+  const std::vector<SweptPoint> found = find(std::vector<ViewPixel>{pixel});
+  return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
-std::vector<SweptPixel> PlaneSweep::first_of(
-    int64_t groups, int64_t each, bool moving,
-    const std::function<SweptPixel(int64_t)>& pixel) const {
-  return all_of<SweptPixel>(groups, [&](int64_t group) -> std::optional<SweptPixel> {
-    for (int64_t i = group * each; i < (group + 1) * each; ++i)
-      if (const SweptPixel tried = pixel(i); moves(tried) == moving) return tried;
+std::vector<SweptPoint> PlaneSweep::find(const std::vector<ViewPixel>& pixels) const {
+  const std::vector<std::optional<Depth>> depths = search(pixels);
+  // the search from the other camera's pixel must end at the same place, as the frame sees it
+  std::vector<ViewPixel> others;
+  std::vector<size_t> of;  // the pixel of each
+  const auto later = [&](size_t i) {
+    return scene_.frames[size_t(depths[i]->best)].time - scene_.frames[size_t(pixels[i].view)].time;
+  };
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const std::optional<Depth>& depth = depths[i];
+    if (!depth) continue;
+    const glm::dvec2 seen = pixel_of(depth->point + later(i) * depth->velocity, depth->best);
+    of.push_back(i);
+    others.push_back({depth->best, int(seen.x), int(seen.y)});
+  }
+  const std::vector<std::optional<Depth>> back = search(others);
+  return all_of<SweptPoint>(int64_t(of.size()), [&](int64_t k) -> std::optional<SweptPoint> {
+    const size_t i = of[size_t(k)];
+    const auto& [index, x, y] = pixels[i];
+    const Depth& depth = *depths[i];
+    const std::optional<Depth>& other = back[size_t(k)];
+    if (!other || glm::distance(pixel_of(other->point - later(i) * other->velocity, index),
+                                pixel_of(depth.point, index)) > kSamePoint)
+      return std::nullopt;
+    const Frame& frame = scene_.frames[size_t(index)];
+    const uint8_t* rgb = rgb_of(frame.image).at(x, y);
+    return SweptPoint{glm::vec3(depth.point),
+                      {rgb[0], rgb[1], rgb[2]},
+                      float(frame.time),
+                      still(pixels[i]),
+                      float(1 / (depth.inverse * frame.camera.fl_x)),
+                      index,
+                      glm::vec3(depth.velocity)};
+  });
+}
+
+std::vector<ViewPixel> PlaneSweep::first_of(int64_t groups, int64_t each, bool moving,
+                                            const std::function<ViewPixel(int64_t)>& pixel) const {
+  std::vector<ViewPixel> tried;  // all of them on a device, else one at a time
+  std::vector<uint8_t> moved;
+  if (device_ != nullptr) {
+    tried.resize(size_t(groups * each));
+    parallel_for(int64_t(tried.size()), 1024, [&](int64_t begin, int64_t end) {
+      for (int64_t i = begin; i < end; ++i) tried[size_t(i)] = pixel(i);
+    });
+    moved = device_->moves(tried);
+  }
+  return all_of<ViewPixel>(groups, [&](int64_t group) -> std::optional<ViewPixel> {
+    for (int64_t i = group * each; i < (group + 1) * each; ++i) {
+      const ViewPixel here = tried.empty() ? pixel(i) : tried[size_t(i)];
+      if ((moved.empty() ? moves(here) : moved[size_t(i)] != 0) == moving) return here;
+    }
     return std::nullopt;
   });
 }
 
 std::vector<int> PlaneSweep::agreeing_frames(const SweptPoint& point) const {
   std::vector<int> agreeing{point.frame};
-  const auto sight_of = [&](int frame) {
-    const Frame& seen = scene_.frames[size_t(frame)];
-    const Camera& camera = seen.camera;
-    return RaySight{&seen.image,
-                    &seen.mask,
-                    &grey_.at(frame),
-                    &camera,
-                    frame,
-                    camera.translation,
-                    camera.cam_from_world *
-                        place_at(point, seen.time - scene_.frames[size_t(point.frame)].time)};
+  const auto sight_at = [&](int frame) {
+    const Camera& camera = scene_.frames[size_t(frame)].camera;
+    const double later =
+        scene_.frames[size_t(frame)].time - scene_.frames[size_t(point.frame)].time;
+    return RaySight{&views_[size_t(frame)], frame, camera.translation,
+                    camera.cam_from_world * place_at(point, later)};
   };
   double u, v;
-  const RaySight found = sight_of(point.frame);
+  const RaySight found = sight_at(point.frame);
   if (!found.at(1, u, v)) return agreeing;
-  const Patch patch = patch_between(*found.image, u, v);
-  const float most = std::min(kMostDifference, kMostUnlike * texture(patch));
-  for (int other : neighbours_.at(point.frame)) {
-    const RaySight sight = sight_of(other);
-    if (!sight.at(1, u, v)) continue;
-    const Patch seen = patch_between(*sight.image, u, v);
-    if (brightness_difference(patch, seen) <= kMostGain && difference(patch, seen) < most)
-      agreeing.push_back(other);
-  }
+  const SearchView& view = *found.view;
+  const Patch patch = patch_between(view.image, u, v);
+  for (int i = 0; i < view.other_count; ++i)
+    if (fine_cost(patch, sight_at(view.others[i]), 1) < most_cost(texture(patch)))
+      agreeing.push_back(view.others[i]);
   return agreeing;
 }
 

@@ -8,10 +8,10 @@
 #include <optional>
 
 #include "ingest/cloud/expected_motion.h"
-#include "ingest/cloud/patch.h"
+#include "ingest/cloud/grey_patch.h"
 #include "ingest/cloud/still_pixels.h"
 #include "ingest/scene.h"
-#include "kernels/base/camera_rig.h"
+#include "kernels/pixel_search.h"
 
 namespace tessera {
 
@@ -28,11 +28,6 @@ struct SweptPoint {
   glm::vec3 velocity{0};
 };
 
-/// A pixel of a frame, index into Scene::frames.
-struct SweptPixel {
-  int frame, x, y;
-};
-
 /// Where the point is `later` than its frame, in units of normalised time.
 inline glm::dvec3 place_at(const SweptPoint& point, double later) {
   return glm::dvec3(point.position) + later * glm::dvec3(point.velocity);
@@ -44,8 +39,10 @@ class PlaneSweep {
  public:
   /// Looks at the training frames only, of which there is one at least. `scene` must outlive this.
   explicit PlaneSweep(const Scene& scene);
-  /// Moving pixels are found by other frames of the same cameras.
-  PlaneSweep(const Scene& scene, std::shared_ptr<const StillPixels> still_pixels);
+  /// Moving pixels are found by other frames of the same cameras. Pixels are searched by `device`,
+  /// which must outlive this and be used by no other sweep meanwhile; null: on the CPU.
+  PlaneSweep(const Scene& scene, std::shared_ptr<const StillPixels> still_pixels,
+             PixelSearch* device = nullptr);
   const Scene& scene() const { return scene_; }
   /// From here on a pixel is also compared with the other cameras as something that moves as the
   /// points near it do, which is seen elsewhere by a camera with another time. `points`: of the one
@@ -55,18 +52,18 @@ class PlaneSweep {
   static constexpr double kLeastShift = 0.25;
   /// Frames with at least two others of their timestep, indices into Scene::frames.
   const std::vector<int>& frames() const { return usable_; }
-  /// None where a mask ignores the pixel, or without texture, agreement, a distinct best depth, or
-  /// confirmation from the other camera.
-  std::optional<SweptPoint> find(const SweptPixel& pixel) const;
-  /// The points of many pixels, in their order.
-  std::vector<SweptPoint> find(const std::vector<SweptPixel>& pixels) const;
+  /// Of a pixel of one of frames(). None where a mask ignores it, or without texture, agreement, a
+  /// distinct best depth, or confirmation from the other camera.
+  std::optional<SweptPoint> find(const ViewPixel& pixel) const;
+  /// The points of many pixels, in their order, as far as there are any.
+  std::vector<SweptPoint> find(const std::vector<ViewPixel>& pixels) const;
   /// Of each of `groups` groups of `each` pixels, the first that moves or, if not `moving`, does
   /// not; of some groups there is none. `pixel`: by its number, groups follow one another.
-  std::vector<SweptPixel> first_of(int64_t groups, int64_t each, bool moving,
-                                   const std::function<SweptPixel(int64_t)>& pixel) const;
+  std::vector<ViewPixel> first_of(int64_t groups, int64_t each, bool moving,
+                                  const std::function<ViewPixel(int64_t)>& pixel) const;
   /// Whether the pixel of one of frames() looks different at another time of the clip; false at the
   /// image's edge, where no patch fits.
-  bool moves(const SweptPixel& pixel) const;
+  bool moves(const ViewPixel& pixel) const;
   /// The frame that the point was found in, and those that it was compared with and which agree on
   /// what the point looks like.
   std::vector<int> agreeing_frames(const SweptPoint& point) const;
@@ -74,19 +71,18 @@ class PlaneSweep {
  private:
   struct Depth;  // what a search along a ray found
 
-  std::optional<Depth> search(const SweptPixel& pixel) const;
-  std::optional<Depth> search(const SweptPixel& pixel, const glm::dvec3& velocity) const;
-  bool confirmed(int frame, const Depth& depth) const;
-  bool still(const SweptPixel& pixel) const;
+  std::vector<RayDepth> depths(const std::vector<RayQuery>& queries) const;
+  std::vector<std::optional<Depth>> search(const std::vector<ViewPixel>& pixels) const;
+  glm::dvec2 pixel_of(const glm::dvec3& point, int frame) const;
+  bool still(const ViewPixel& pixel) const;
   void choose_neighbours(const std::vector<int>& frames);
 
   const Scene& scene_;
-  CameraRig rig_;
+  DepthRange range_;
   std::vector<int> usable_;
-  std::map<int, std::vector<int>> neighbours_;  // frame → the nearest of its timestep
-  std::shared_ptr<const StillPixels> still_pixels_;
-  std::map<int, LightRatio> light_;  // of usable_
-  std::map<int, GreyImage> grey_;    // of usable_
+  std::vector<SearchView> views_;  // [frames of the scene], those of usable_ complete
+  std::map<int, GreyImage> grey_;  // of usable_
+  PixelSearch* device_;
   std::optional<ExpectedMotion> expected_;
 };
 

@@ -1,28 +1,18 @@
-// Compares patches of a frame to those of up to eight other frames of its camera.
+// Chooses the times that a frame is compared with, and measures its light.
 #include "ingest/cloud/still_pixels.h"
 
 #include <algorithm>
 
-#include "ingest/cloud/patch.h"
+#include "ingest/cloud/grey_patch.h"
 #include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
 
 namespace tessera {
 namespace {
 
-constexpr float kStill = 4;         // change over time of a still pixel, levels
-constexpr float kPassing = 12;      // likewise, of one before which something passes
-constexpr int64_t kMostSights = 8;  // at which a pixel is compared
-constexpr size_t kOfSights = 4;     // one of so many may show something that passes
-constexpr size_t kEveryPixel = 17;  // of the image, for its light
+constexpr int64_t kMostTimes = kMostStillSights;  // at which a pixel is compared
+constexpr size_t kEveryPixel = 17;                // of the image, for its light
 constexpr float kMostRatio = 2;
-
-/// As it would look in the light of another image.
-Patch relit(Patch patch, const LightRatio& ratio) {
-  for (size_t i = 0; i < patch.level.size(); ++i) patch.level[i] *= ratio[i % 3];
-  for (size_t c = 0; c < 3; ++c) patch.mean[c] *= ratio[c];
-  return patch;
-}
 
 }  // namespace
 
@@ -47,7 +37,7 @@ StillPixels::StillPixels(const Scene& over_time) {
   }
   std::vector<Sight*> sights;
   for (const auto& [camera, all] : frames) {
-    const auto total = int64_t(all.size()), count = std::min(total, kMostSights);
+    const auto total = int64_t(all.size()), count = std::min(total, kMostTimes);
     for (int64_t i = 0; i < count; ++i)
       cameras_[camera].push_back({all[size_t(even_spread(i, count, total))], {1, 1, 1}});
   }
@@ -67,29 +57,16 @@ LightRatio StillPixels::light_of(const Frame& frame) const {
   return light_ratio(frame.image, first.image);
 }
 
-bool StillPixels::still(const Frame& frame, const LightRatio& light, int x, int y) const {
+std::vector<StillSight> StillPixels::sights_of(const Frame& frame, const LightRatio& light) const {
+  std::vector<StillSight> found;
   const auto camera = cameras_.find(frame.camera_name);
-  if (camera == cameras_.end()) return true;
-  const Patch patch = patch_at(frame.image, x, y);
-  const size_t most = camera->second.size() / kOfSights;
-  size_t passing = 0;
-  const std::vector<Sight>& sights = camera->second;
-  // frames lie far apart in memory: all patches are on their way before the first is compared
-  for (const Sight& sight : sights) fetch_patch(sight.frame->image, x, y);
-  for (const Sight& sight : sights) {
-    if (!equal_pose(sight.frame->camera, frame.camera)) return true;
-    const LightRatio ratio{light[0] / sight.light[0], light[1] / sight.light[1],
-                           light[2] / sight.light[2]};
-    const Patch then = relit(patch_at(sight.frame->image, x, y), ratio);
-    const float change = std::max(difference(patch, then), brightness_difference(patch, then));
-    if (change <= kStill) continue;
-    // what passes has come and has gone
-    const bool between = &sight != &sights.front() && &sight != &sights.back();
-    if (change <= kPassing || !between) return false;
-    ++passing;
-    if (passing > most) return false;
-  }
-  return true;
+  if (camera == cameras_.end()) return found;
+  for (const Sight& sight : camera->second)
+    found.push_back(
+        {rgb_of(sight.frame->image),
+         {light[0] / sight.light[0], light[1] / sight.light[1], light[2] / sight.light[2]},
+         equal_pose(sight.frame->camera, frame.camera)});
+  return found;
 }
 
 }  // namespace tessera

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ingest/scene.h"
+#include "kernels/math/patch.h"
 
 namespace tessera {
 
@@ -24,12 +25,9 @@ class StillPixels {
   explicit StillPixels(const Scene& over_time);
   /// By the camera's first frame of those; 1 where it has none, or stood elsewhere then.
   LightRatio light_of(const Frame& frame) const;
-  /// Whether the patch around pixel (x, y) is the same, after its light, in up to eight frames of
-  /// the camera, the first and the last among them, but for a quarter of them in between, in
-  /// which it is quite another: a moving object may occlude the static surface. True where the
-  /// camera moves: then the comparison is meaningless. has_patch must hold. `light`:
-  /// light_of(frame).
-  bool still(const Frame& frame, const LightRatio& light, int x, int y) const;
+  /// Up to eight frames of its camera, the first and the last among them, each with the light of
+  /// this frame by its own; none of a camera that no frame is known of. `light`: light_of(frame).
+  std::vector<StillSight> sights_of(const Frame& frame, const LightRatio& light) const;
 
  private:
   struct Sight {

@@ -64,6 +64,7 @@ class CudaBackend final : public Backend {
   std::function<std::unique_ptr<Backend>()> another() override {
     return [device = device_] { return std::make_unique<CudaBackend>(device); };
   }
+  std::unique_ptr<PixelSearch> pixel_search() override;
   cudaStream_t stream() const { return stream_; }
 
   void carry(const CarryArgs<float>& args, Carried<float>& carried) override;

@@ -104,7 +104,7 @@ int bench_stages_command(StageBenchRequest request) {
     request.bench.model = &*model;
   } else {
     std::vector<std::string> warnings;
-    complete_cloud(scene, options, warnings);
+    complete_cloud(scene, options, *make_backend(request.training.backend), warnings);
     for (const std::string& warning : warnings) warn(warning);
   }
   resolve_by_cloud(scene, options);

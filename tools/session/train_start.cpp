@@ -144,10 +144,11 @@ std::vector<std::string> training_warnings(const Scene& scene, const TrainOption
 }
 
 std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& options,
-                                          std::vector<std::string>& warnings) {
+                                          Backend& backend, std::vector<std::string>& warnings) {
   if (!options.sweep || !scene.points.position.empty()) return std::nullopt;
-  RigCloud cloud = is_as_filed(scene, options) ? rig_cloud(SceneFrames(scene), {})
-                                               : rig_cloud(FolderFrames(scene.path), {});
+  const auto device = [&] { return backend.pixel_search(); };
+  RigCloud cloud = is_as_filed(scene, options) ? rig_cloud(SceneFrames(scene), {}, device)
+                                               : rig_cloud(FolderFrames(scene.path), {}, device);
   if (cloud.points.position.empty()) return std::nullopt;
   const std::string found = summary(cloud);
   if (const std::string warning = motion_warning(cloud); !warning.empty())

@@ -60,8 +60,9 @@ void complete_by_images(TrainingSetup& setup, const TrainRequest& request, doubl
                         const std::function<void(const std::string&)>& warn) {
   Scene& scene = setup.scene;
   std::vector<std::string> warnings;
-  const std::optional<std::string> cloud =
-      wall.time(WallSplit::kCloud, [&] { return complete_cloud(scene, setup.options, warnings); });
+  const std::optional<std::string> cloud = wall.time(WallSplit::kCloud, [&] {
+    return complete_cloud(scene, setup.options, *setup.backend, warnings);
+  });
   if (cloud) observer.on_message(*cloud);
   for (const std::string& warning : warnings) warn(warning);
   for (const std::string& found : resolve_by_cloud(scene, setup.options))

@@ -115,8 +115,8 @@ void fill_mask(Frame& frame, int used_from_x) {
 TEST(PlaneSweep, MaskedPixelsGiveNoPointAndHaveNoEffect) {
   Scene scene = wall_scene({.timesteps = 1});
   fill_mask(scene.frames[2], 48);
-  const PlaneSweep sweep(scene);
   const auto count = [&](int begin, int end) {
+    const PlaneSweep sweep(scene);
     int64_t found = 0;
     for (int y = 4; y < 92; y += 4)
       for (int x = begin; x < end; x += 4) found += sweep.find({2, x, y}).has_value();
