@@ -6,6 +6,11 @@ find_package(PNG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
+find_path(DEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)  # inflates PNG
+find_library(DEFLATE_LIBRARY deflate REQUIRED)
+add_library(libdeflate::libdeflate UNKNOWN IMPORTED)
+set_target_properties(libdeflate::libdeflate PROPERTIES
+  IMPORTED_LOCATION ${DEFLATE_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${DEFLATE_INCLUDE_DIR})
 find_path(ZSTD_INCLUDE_DIR zstd.h)  # for .spz of version 4
 find_library(ZSTD_LIBRARY zstd)
 find_path(WEBP_INCLUDE_DIR webp/encode.h)  # for .sog

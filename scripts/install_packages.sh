@@ -10,8 +10,8 @@ purpose=${1:-build}
 
 packages=(
   g++ cmake ninja-build pkg-config git ca-certificates
-  libglm-dev libpng-dev zlib1g-dev libzstd-dev libwebp-dev libfmt-dev nlohmann-json3-dev libcli11-dev
-  libtbb-dev
+  libglm-dev libpng-dev zlib1g-dev libdeflate-dev libzstd-dev libwebp-dev libfmt-dev nlohmann-json3-dev
+  libcli11-dev libtbb-dev
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev libswresample-dev
   libopenimageio-dev libopencv-dev colmap libmicrohttpd-dev
 )

@@ -55,6 +55,7 @@ inline const std::vector<std::pair<std::string, std::vector<std::string>>> kOnly
     {"libsw", {"ingest_media/", "tools/", "tests/"}},
     {"OpenImageIO/", {"ingest_media/", "tests/"}},
     {"png.h", {"ingest/files/", "tests/"}},
+    {"libdeflate.h", {"ingest/files/", "tests/"}},
     {"CLI/", {"tools/"}},
     {"microhttpd.h", {"tools/view/view_server.cpp"}},
     {"spdlog/", {"tools/"}},

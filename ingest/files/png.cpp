@@ -1,5 +1,6 @@
-// Uses the row interface of libpng; `guarded` converts its errors (longjmp) to InputError. The
-// chunks gAMA, sRGB and iCCP are ignored: values are used as stored.
+// Uses the row interface of libpng for what plain_png.h does not decode; `guarded` converts its
+// errors (longjmp) to InputError. The chunks gAMA, sRGB and iCCP are ignored: values are used as
+// stored.
 #include "ingest/files/png.h"
 
 #include <fmt/format.h>
@@ -11,18 +12,19 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/plain_png.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
 
-constexpr int kMaxSide = 1 << 20;           // pixels; libpng's own default limit is near it
-constexpr int64_t kDeflateMaxRatio = 1032;  // bytes out per byte in, the most deflate can do
-constexpr int kCompressionLevel = 3;        // of 9: half again the size at a quarter of the time
+constexpr size_t kMostBytesAtOnce = size_t{1} << 30;  // libpng reads longer files piece by piece
+constexpr int kCompressionLevel = 3;  // of 9: half again the size at a quarter of the time
 
 struct Failure {
   char text[200] = "unknown libpng error";
@@ -86,10 +88,6 @@ struct WriteState {
   throw InputError(fmt::format("{}: {}; copy or render this image again", path.string(), seen));
 }
 
-uint32_t big_endian_32(const uint8_t* bytes) {
-  return uint32_t(bytes[0]) << 24 | uint32_t(bytes[1]) << 16 | uint32_t(bytes[2]) << 8 | bytes[3];
-}
-
 /// Looks at signature and IHDR by hand, so nothing is allocated for a size the file cannot hold.
 void check_header(const std::filesystem::path& path, std::FILE* file) {
   uint8_t start[33] = {};  // signature, IHDR
@@ -102,9 +100,9 @@ void check_header(const std::filesystem::path& path, std::FILE* file) {
   const int64_t width = big_endian_32(start + 16), height = big_endian_32(start + 20);
   if (width == 0 || height == 0)
     refuse_image(path, fmt::format("has size {}x{}, expected at least 1x1 pixel", width, height));
-  if (width > kMaxSide || height > kMaxSide)
-    refuse_image(
-        path, fmt::format("states a size of {}x{}, more than {} a side", width, height, kMaxSide));
+  if (width > kMaxPngSide || height > kMaxPngSide)
+    refuse_image(path, fmt::format("states a size of {}x{}, more than {} a side", width, height,
+                                   kMaxPngSide));
   constexpr int kChannelsOfColourType[7] = {1, 0, 3, 1, 2, 0, 4};
   const int depth = start[24], colour_type = start[25];
   if (depth > 16 || colour_type > 6) refuse_image(path, "has a damaged PNG header");
@@ -130,16 +128,31 @@ void set_transforms(png_structp png, png_infop info) {
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
-/// Opens, checks, and reads up to the pixels; the result has its size and no data.
-Image8 read_start(const std::filesystem::path& path, ReadState& state, File& file) {
-  file = File(std::fopen(path.c_str(), "rb"), std::fclose);
+/// A PNG file whose header is checked, at its beginning.
+File open_png(const std::filesystem::path& path) {
+  File file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (file == nullptr)
     refuse_image(path, fmt::format("cannot be opened ({})", std::strerror(errno)));
   check_header(path, file.get());
+  return file;
+}
+
+/// The pixels where the file is plain; else nothing, and the file is at its beginning again.
+std::optional<Image8> read_plain(const std::filesystem::path& path, std::FILE* file) {
+  const auto size = size_t(std::filesystem::file_size(path));
+  if (size > kMostBytesAtOnce) return std::nullopt;
+  std::vector<uint8_t> bytes(size);
+  bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file));
+  std::rewind(file);
+  return decode_plain_png(bytes);
+}
+
+/// Reads up to the pixels; the result has its size and no data.
+Image8 read_start(const std::filesystem::path& path, ReadState& state, std::FILE* file) {
   if (state.info == nullptr) throw std::bad_alloc();
   const bool read = guarded(state.png, [&] {
-    png_set_user_limits(state.png, kMaxSide, kMaxSide);
-    png_set_read_fn(state.png, file.get(), read_bytes);
+    png_set_user_limits(state.png, kMaxPngSide, kMaxPngSide);
+    png_set_read_fn(state.png, file, read_bytes);
     png_read_info(state.png, state.info);
     set_transforms(state.png, state.info);
   });
@@ -153,15 +166,16 @@ Image8 read_start(const std::filesystem::path& path, ReadState& state, File& fil
 }  // namespace
 
 Image8 read_png_size(const std::filesystem::path& path) {
+  const File file = open_png(path);
   ReadState state;
-  File file(nullptr, std::fclose);
-  return read_start(path, state, file);
+  return read_start(path, state, file.get());
 }
 
 Image8 read_png(const std::filesystem::path& path) {
+  const File file = open_png(path);
+  if (std::optional<Image8> plain = read_plain(path, file.get())) return *std::move(plain);
   ReadState state;
-  File file(nullptr, std::fclose);
-  Image8 image = read_start(path, state, file);
+  Image8 image = read_start(path, state, file.get());
   const size_t stride = png_get_rowbytes(state.png, state.info);
   check(stride == size_t(image.width) * size_t(image.channels), "PNG row is not 8 bit");
   image.data.resize(stride * size_t(image.height));
@@ -187,7 +201,7 @@ void write_png(const std::filesystem::path& path, const Image8& image) {
   WriteState state;
   if (state.info == nullptr) throw std::bad_alloc();
   const bool written = guarded(state.png, [&] {
-    png_set_user_limits(state.png, kMaxSide, kMaxSide);
+    png_set_user_limits(state.png, kMaxPngSide, kMaxPngSide);
     png_set_write_fn(state.png, file.file(), write_bytes, flush_nothing);
     png_set_compression_level(state.png, kCompressionLevel);
     png_set_filter(state.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB | PNG_FILTER_UP);

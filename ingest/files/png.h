@@ -1,4 +1,4 @@
-// Reads and writes 8-bit PNG through libpng, the format of prepared frames and of renders.
+// Reads and writes 8-bit PNG, the format of prepared frames and of renders.
 #pragma once
 #include <filesystem>
 

@@ -1,6 +1,6 @@
-// Reads PNG through libpng and other formats through OpenImageIO. Colour profiles are ignored:
-// integers are sRGB, floats are linear with sRGB primaries. Source of the transfer curve: IEC
-// 61966-2-1.
+// Reads PNG through ingest/files/png.h and other formats through OpenImageIO. Colour profiles are
+// ignored: integers are sRGB, floats are linear with sRGB primaries. Source of the transfer curve:
+// IEC 61966-2-1.
 #include "ingest/images/image_source.h"
 
 #include <OpenImageIO/imageio.h>
