@@ -12,6 +12,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/bytes.h"
 #include "ingest/files/gzip.h"
+#include "ingest/files/png.h"
 #include "recon4d/model/model_file.h"
 #include "static3d/formats/splat_file.h"
 #include "static3d/tessera4d/block.h"
@@ -150,6 +151,15 @@ void write_transforms(const fs::path& folder) {
           pose + "}]}");
 }
 
+void write_images(const fs::path& folder) {
+  constexpr int kWidth = 7, kHeight = 5;
+  for (const int channels : {1, 3, 4}) {
+    Image8 image{kWidth, kHeight, channels, {}};
+    for (int n = 0; n < kWidth * kHeight * channels; ++n) image.data.push_back(uint8_t(n * n));
+    write_png(folder / std::to_string(channels), image);
+  }
+}
+
 void write_calibrations(const fs::path& folder) {
   const std::string k = R"("K": [[50,0,16],[0,51,12],[0,0,1]], "D": [0.1,0,0,0,0])";
   write_text_file(folder / "list", R"({"cameras": [{"name": "a", )" + k +
@@ -189,6 +199,7 @@ int main(int argc, char** argv) {
   write_spz_versions(folder / "spz");
   write_models(folder);
   write_transforms(folder);
+  write_images(folder / "png");
   write_calibrations(folder / "calibration");
   write_requests(folder / "view");
   return 0;
