@@ -18,6 +18,7 @@ usage() {
 # name, options of `tessera synth`
 small='--cameras 9 --width 320 --height 240'
 scenes="
+plain        room $small
 lights       room $small --light-step 0.6 --camera-gains
 few_cameras  room --cameras 5 --width 320 --height 240
 offsets      room $small --shift cam02=1.5,cam05=-0.75
