@@ -51,6 +51,34 @@ std::vector<const Frame*> frames_of_median(std::vector<const Frame*> frames) {
   return chosen;
 }
 
+/// Standard deviation of the noise of an image, 8-bit units, by the quarter of its values that
+/// differs least from the median: up to three quarters of them may move.
+double noise_of(const Frame& frame, const std::vector<uint8_t>& median) {
+  constexpr size_t kApart = 7;                 // values that are looked at
+  constexpr double kQuarterOfNormal = 0.3186;  // of |x|, by the standard deviation
+  int64_t count[256] = {}, all = 0;
+  for (size_t i = 0; i < median.size(); i += kApart, ++all)
+    ++count[std::abs(int(frame.image.data[i]) - int(median[i]))];
+  const double quarter = double(all) / 4;
+  double below = 0;
+  int level = 0;
+  for (; below + double(count[level]) < quarter; ++level) below += double(count[level]);
+  // values were rounded: those of a level lie half a unit to either side, those of 0 on one side
+  const double low = level == 0 ? 0 : level - 0.5, width = level == 0 ? 0.5 : 1;
+  return (low + width * (quarter - below) / double(count[level])) / kQuarterOfNormal;
+}
+
+/// By the frames that are noisy least: light that changes is no noise.
+int least_motion(const std::vector<const Frame*>& frames, const std::vector<uint8_t>& median) {
+  std::vector<double> noise(frames.size());
+  parallel_for(int64_t(frames.size()), 1, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) noise[size_t(i)] = noise_of(*frames[size_t(i)], median);
+  });
+  const auto quarter = noise.begin() + int64_t(noise.size()) / 4;
+  std::nth_element(noise.begin(), quarter, noise.end());
+  return std::max(DynamicRegions::kThreshold, int(std::lround(DynamicRegions::kNoise * *quarter)));
+}
+
 }  // namespace
 
 DynamicRegions::DynamicRegions(const Scene& scene, Of of, const std::vector<int>& frames) {
@@ -64,22 +92,23 @@ DynamicRegions::DynamicRegions(const Scene& scene, Of of, const std::vector<int>
   for (const auto& [name, of_camera] : cameras) {
     constexpr int64_t kBytesOfTask = 1 << 15;
     const std::vector<const Frame*> chosen = frames_of_median(of_camera);
-    std::vector<uint8_t>& median = medians_[name];
+    std::vector<uint8_t>& median = cameras_[name].median;
     if (chosen.empty()) continue;
     median.resize(chosen.front()->image.data.size());
     parallel_for(int64_t(median.size()), kBytesOfTask, [&](int64_t begin, int64_t end) {
       lower_medians(chosen, size_t(begin), size_t(end), median.data());
     });
+    cameras_[name].threshold = least_motion(chosen, median);
   }
 }
 
 std::vector<uint8_t> DynamicRegions::mask_of(const Frame& frame) const {
-  const auto found = medians_.find(frame.camera_name);
-  check(found != medians_.end(), "DynamicRegions: a camera that was not asked for");
-  const std::vector<uint8_t>& median = found->second;
+  const auto found = cameras_.find(frame.camera_name);
+  check(found != cameras_.end(), "DynamicRegions: a camera that was not asked for");
+  const std::vector<uint8_t>& median = found->second.median;
   std::vector<uint8_t> moves(median.size() / 3, 0);
-  const auto differs = [&](size_t i) {
-    return std::abs(int(frame.image.data[i]) - int(median[i])) > kThreshold;
+  const auto differs = [&, most = found->second.threshold](size_t i) {
+    return std::abs(int(frame.image.data[i]) - int(median[i])) > most;
   };
   for (size_t p = 0; p < moves.size(); ++p)
     moves[p] = differs(3 * p) || differs(3 * p + 1) || differs(3 * p + 2) ? 255 : 0;

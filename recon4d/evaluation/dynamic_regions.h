@@ -9,10 +9,12 @@
 
 namespace tessera {
 
-/// Pixels whose truth differs from its median over time, in some channel, by more than kThreshold.
+/// Pixels whose truth differs from its median over time, in some channel, by more than kThreshold
+/// and by more than noise does.
 class DynamicRegions {
  public:
   static constexpr int kThreshold = 10;   // 8-bit units
+  static constexpr double kNoise = 3;     // standard deviations of a channel, measured a little low
   static constexpr size_t kMoments = 31;  // the median is of at most so many, spread over time
   static constexpr size_t kLeastMoments = 3;
 
@@ -25,9 +27,15 @@ class DynamicRegions {
   /// [height, width] 255 where it moves, 0 elsewhere; empty: the camera moves, or has fewer than
   /// three timesteps. `frame`: of one of those cameras. May be called on several threads at once.
   std::vector<uint8_t> mask_of(const Frame& frame) const;
+  /// Most that a still pixel of this camera differs by, 8-bit units.
+  int threshold_of(const std::string& camera) const { return cameras_.at(camera).threshold; }
 
  private:
-  std::map<std::string, std::vector<uint8_t>> medians_;  // [height, width, 3], or empty
+  struct StillCamera {
+    std::vector<uint8_t> median;  // [height, width, 3], or empty
+    int threshold = kThreshold;
+  };
+  std::map<std::string, StillCamera> cameras_;
 };
 
 }  // namespace tessera

@@ -11,7 +11,7 @@ namespace {
 using testing::HostSearch;
 using testing::wall_scene;
 
-void expect_equal(const PointCloud& one, const PointCloud& other) {
+void expect_same_points(const PointCloud& one, const PointCloud& other) {
   EXPECT_EQ(one.position, other.position);
   EXPECT_EQ(one.colour, other.colour);
   EXPECT_EQ(one.time, other.time);
@@ -37,7 +37,7 @@ TEST(DeviceSearch, FindsTheCloudOfTheHost) {
         rig_cloud(SceneFrames(scene), options, [&] { return std::make_unique<Noted>(searched); });
     EXPECT_GT(by_host.velocities.moving, 50) << apart;
     EXPECT_GT(searched, 1000) << "by the device";
-    expect_equal(by_device.points, by_host.points);
+    expect_same_points(by_device.points, by_host.points);
   }
 }
 
