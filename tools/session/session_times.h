@@ -13,9 +13,10 @@ namespace tessera {
 /// training.
 class WallSplit {
  public:
-  /// kDevice: its choice and start; kCloud: of a scene without points; kTrial: of motion; kInit:
-  /// what is left before the first step, as masks and uploads; kUnseen: removal of what no view
-  /// shows; kDecide: on motion and size.
+  /// kLoad: reading, but for what is read while the device starts; kDevice: its choice and start;
+  /// kCloud: of a scene without points; kTrial: of motion; kInit: what is left before the first
+  /// step, as masks and uploads; kUnseen: removal of what no view shows; kDecide: on motion and
+  /// size.
   enum Kind {
     kLoad,
     kDevice,

@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <exception>
+#include <future>
+
 #include "recon4d/model/exposure.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/validation.h"
@@ -72,6 +75,24 @@ void complete_by_images(TrainingSetup& setup, const TrainRequest& request, doubl
   wall.time(WallSplit::kTrial, [&] { complete_motion(setup, request, motion_seconds, observer); });
 }
 
+/// The device starts while the scene is read. What is wrong with the scene is said first.
+void load_beside_device(TrainingSetup& setup, const TrainRequest& request, WallSplit& wall) {
+  auto scene = std::async(std::launch::async,
+                          [&] { return load_training_scene(request.scene, setup.options); });
+  std::exception_ptr failed;
+  wall.time(WallSplit::kDevice, [&] {
+    try {
+      ChosenBackend chosen = choose_backend(request.backend);
+      setup.backend = std::move(chosen.backend);
+      setup.choice = std::move(chosen.choice);
+    } catch (...) {
+      failed = std::current_exception();
+    }
+  });
+  wall.time(WallSplit::kLoad, [&] { setup.scene = scene.get(); });
+  if (failed) std::rethrow_exception(failed);
+}
+
 /// The checkpoint's training goes on as one of so many steps would from there.
 void go_on_until(int64_t iterations, const RunFolder& run, TrainingSetup& setup) {
   const std::string root = run.root.string();
@@ -110,17 +131,11 @@ void complete_setup(TrainingSetup& setup, const TrainRequest& request, const Run
                     const std::function<void(const std::string&)>& warn) {
   constexpr double kShareOfMotion = 0.25;
   TrainOptions& options = setup.options;
-  wall.time(WallSplit::kLoad, [&] {
-    setup.scene = load_training_scene(request.scene, options);
-    for (const std::string& warning : training_warnings(setup.scene, options)) warn(warning);
-  });
+  load_beside_device(setup, request, wall);
+  for (const std::string& warning : training_warnings(setup.scene, options)) warn(warning);
   setup.validation_views =
       hold_out_validation(setup.scene, options.validation_share, uint64_t(options.seed));
   wall.time(WallSplit::kInit, [&] {
-    ChosenBackend chosen =
-        wall.time(WallSplit::kDevice, [&] { return choose_backend(request.backend); });
-    setup.backend = std::move(chosen.backend);
-    setup.choice = std::move(chosen.choice);
     if (setup.choice.leaves_cuda_unused()) observer.on_cuda_unused(setup.choice.reason);
     if (!setup.previous || options.motion == Motion::kAuto)
       complete_by_images(setup, request, kShareOfMotion * seconds, wall, observer, warn);
