@@ -33,7 +33,8 @@ __device__ void write_patches(const SearchView& view, int x, int y, int lane, Qu
   if (lane < Patch::kPixels)
     level = view.grey[int64_t(top + lane / Patch::kSide) * view.image.width + left +
                       lane % Patch::kSide];
-  const int sum = __reduce_add_sync(kAll, level);
+  int sum = level;
+  for (int offset = kLanes / 2; offset > 0; offset /= 2) sum += __shfl_xor_sync(kAll, sum, offset);
   if (lane < Patch::kPixels) room.grey[lane] = Patch::kPixels * level - sum;
   if (lane == 0) room.grey_sum = sum;
   __syncwarp();
@@ -215,33 +216,35 @@ void CudaPixelSearch::set_views(const std::vector<SearchView>& views, const Dept
   for (SearchView& view : here)
     for (int i = 0; i < view.sight_count; ++i)
       view.sights[i].image.data = kept(view.sights[i].image);
-  int64_t pixels = 0, masked = 0;
+  int64_t pixels = 0, brought = 0, masked = 0;
   std::map<const uint8_t*, int64_t> masks;  // their first pixel; views may share one
   for (const SearchView& view : here) {
-    pixels += pixels_of(view.image);
-    if (view.mask != nullptr && masks.emplace(view.mask, masked).second)
-      masked += pixels_of(view.image);
+    const int64_t count = pixels_of(view.image);
+    pixels += count;
+    if (!kept_.contains(view.image.data)) brought += count;
+    if (view.mask != nullptr && masks.emplace(view.mask, masked).second) masked += count;
   }
-  images_.resize(3 * pixels);
+  images_.resize(3 * brought);
   grey_.resize(pixels);
   masks_.resize(masked);
-  int64_t first = 0;
+  uint8_t *to = images_.data(), *grey = grey_.data();
   for (SearchView& view : here) {
     const int64_t count = pixels_of(view.image);
-    if (count == 0 || view.image.data == nullptr) continue;
-    const auto held = kept_.find(view.image.data);
-    uint8_t* rgb = held == kept_.end() ? images_.data() + 3 * first : held->second.data();
-    if (held == kept_.end()) memory_.copy(rgb, view.image.data, size_t(3 * count));
-    launch_linear<kThreads>(stream_, "write_grey", write_grey, count, rgb, count,
-                            grey_.data() + first);
-    view.image.data = rgb;
-    view.grey = grey_.data() + first;
-    if (view.mask != nullptr) {
-      uint8_t* mask = masks_.data() + masks.at(view.mask);
-      memory_.copy(mask, view.mask, size_t(count));
-      view.mask = mask;
+    if (count == 0) continue;
+    if (const auto held = kept_.find(view.image.data); held != kept_.end()) {
+      view.image.data = held->second.data();
+    } else {
+      memory_.copy(to, view.image.data, size_t(3 * count));
+      view.image.data = to;
+      to += 3 * count;
     }
-    first += count;
+    launch_linear<kThreads>(stream_, "write_grey", write_grey, count, view.image.data, count, grey);
+    view.grey = grey;
+    grey += count;
+    if (view.mask == nullptr) continue;
+    uint8_t* const mask = masks_.data() + masks.at(view.mask);
+    memory_.copy(mask, view.mask, size_t(count));
+    view.mask = mask;
   }
   copy_in(here, views_);
 }
