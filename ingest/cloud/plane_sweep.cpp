@@ -52,6 +52,16 @@ struct PlaneSweep::Depth {
   glm::dvec3 velocity;  // world units per unit of normalised time
 };
 
+void set_frame(const Frame& frame, const StillPixels& still_pixels, SearchView& view) {
+  view.image = rgb_of(frame.image);
+  view.mask = frame.mask.data().empty() ? nullptr : frame.mask.data().data();
+  view.camera = frame.camera;
+  view.eye = frame.camera.position();
+  view.time = frame.time;
+  for (const StillSight& sight : still_pixels.sights_of(frame, still_pixels.light_of(frame)))
+    view.sights[view.sight_count++] = sight;
+}
+
 PlaneSweep::PlaneSweep(const Scene& scene)
     : PlaneSweep(scene, std::make_shared<const StillPixels>(scene)) {}
 
@@ -67,14 +77,8 @@ PlaneSweep::PlaneSweep(const Scene& scene, std::shared_ptr<const StillPixels> st
       const Frame& frame = scene.frames[size_t(index)];
       SearchView& view = views_[size_t(index)];
       if (device_ == nullptr) grey_.at(index) = grey_image(frame.image);
-      view.image = rgb_of(frame.image);
       view.grey = grey_.at(index).level.data();
-      view.mask = frame.mask.data().empty() ? nullptr : frame.mask.data().data();
-      view.camera = frame.camera;
-      view.eye = frame.camera.position();
-      view.time = frame.time;
-      for (const StillSight& sight : still_pixels->sights_of(frame, still_pixels->light_of(frame)))
-        view.sights[view.sight_count++] = sight;
+      set_frame(frame, *still_pixels, view);
     }
   });
   if (device_ != nullptr) device_->set_views(views_, range_);
@@ -160,11 +164,6 @@ bool PlaneSweep::moves(const ViewPixel& pixel) const {
   return has_patch(views_[size_t(pixel.view)].image, pixel.x, pixel.y) && !still(pixel);
 }
 
-std::optional<SweptPoint> PlaneSweep::find(const ViewPixel& pixel) const {
-  const std::vector<SweptPoint> found = find(std::vector<ViewPixel>{pixel});
-  return found.empty() ? std::nullopt : std::optional(found.front());
-}
-
 std::vector<SweptPoint> PlaneSweep::find(const std::vector<ViewPixel>& pixels) const {
   const std::vector<std::optional<Depth>> depths = search(pixels);
   // the search from the other camera's pixel must end at the same place, as the frame sees it
@@ -235,9 +234,9 @@ std::vector<int> PlaneSweep::agreeing_frames(const SweptPoint& point) const {
   if (!found.at(1, u, v)) return agreeing;
   const SearchView& view = *found.view;
   const Patch patch = patch_between(view.image, u, v);
+  const float most = most_cost(texture(patch));
   for (int i = 0; i < view.other_count; ++i)
-    if (fine_cost(patch, sight_at(view.others[i]), 1) < most_cost(texture(patch)))
-      agreeing.push_back(view.others[i]);
+    if (fine_cost(patch, sight_at(view.others[i]), 1) < most) agreeing.push_back(view.others[i]);
   return agreeing;
 }
 

@@ -33,6 +33,9 @@ inline glm::dvec3 place_at(const SweptPoint& point, double later) {
   return glm::dvec3(point.position) + later * glm::dvec3(point.velocity);
 }
 
+/// Gives a view all of a frame but a grey image. Image and mask are not copied.
+void set_frame(const Frame& frame, const StillPixels& still_pixels, SearchView& view);
+
 /// Takes a byte for each pixel of `scene`. Depths between a quarter of and four times the cameras'
 /// distance to what they look at.
 class PlaneSweep {
@@ -52,10 +55,8 @@ class PlaneSweep {
   static constexpr double kLeastShift = 0.25;
   /// Frames with at least two others of their timestep, indices into Scene::frames.
   const std::vector<int>& frames() const { return usable_; }
-  /// Of a pixel of one of frames(). None where a mask ignores it, or without texture, agreement, a
-  /// distinct best depth, or confirmation from the other camera.
-  std::optional<SweptPoint> find(const ViewPixel& pixel) const;
-  /// The points of many pixels, in their order, as far as there are any.
+  /// The points of pixels of frames(), in their order. None where a mask ignores the pixel, or
+  /// without texture, agreement, a distinct best depth, or confirmation from the other camera.
   std::vector<SweptPoint> find(const std::vector<ViewPixel>& pixels) const;
   /// Of each of `groups` groups of `each` pixels, the first that moves or, if not `moving`, does
   /// not; of some groups there is none. `pixel`: by its number, groups follow one another.

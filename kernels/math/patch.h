@@ -1,7 +1,6 @@
 // Small square patches of RGB images, and their difference up to brightness: the sum of absolute
 // differences of levels minus their mean, for each channel. On host and device alike.
 #pragma once
-#include <array>
 #include <cmath>
 #include <cstdint>
 

@@ -68,8 +68,9 @@ double noise_of(const Frame& frame, const std::vector<uint8_t>& median) {
   return (low + width * (quarter - below) / double(count[level])) / kQuarterOfNormal;
 }
 
-/// By the frames that are noisy least: light that changes is no noise.
-int least_motion(const std::vector<const Frame*>& frames, const std::vector<uint8_t>& median) {
+/// Most that a still pixel differs by. By the frames that are noisy least: light that changes is
+/// no noise.
+int still_limit(const std::vector<const Frame*>& frames, const std::vector<uint8_t>& median) {
   std::vector<double> noise(frames.size());
   parallel_for(int64_t(frames.size()), 1, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) noise[size_t(i)] = noise_of(*frames[size_t(i)], median);
@@ -92,13 +93,14 @@ DynamicRegions::DynamicRegions(const Scene& scene, Of of, const std::vector<int>
   for (const auto& [name, of_camera] : cameras) {
     constexpr int64_t kBytesOfTask = 1 << 15;
     const std::vector<const Frame*> chosen = frames_of_median(of_camera);
-    std::vector<uint8_t>& median = cameras_[name].median;
+    StillCamera& camera = cameras_[name];
+    std::vector<uint8_t>& median = camera.median;
     if (chosen.empty()) continue;
     median.resize(chosen.front()->image.data.size());
     parallel_for(int64_t(median.size()), kBytesOfTask, [&](int64_t begin, int64_t end) {
       lower_medians(chosen, size_t(begin), size_t(end), median.data());
     });
-    cameras_[name].threshold = least_motion(chosen, median);
+    camera.threshold = still_limit(chosen, median);
   }
 }
 

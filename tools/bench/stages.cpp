@@ -17,6 +17,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/train_arguments.h"
+#include "tools/session/device_choice.h"
 #include "tools/session/train_start.h"
 
 namespace tessera {
@@ -104,7 +105,12 @@ int bench_stages_command(StageBenchRequest request) {
     request.bench.model = &*model;
   } else {
     std::vector<std::string> warnings;
-    complete_cloud(scene, options, *make_backend(request.training.backend), warnings);
+    std::unique_ptr<Backend> searching;  // only where a cloud is missing
+    const auto device = [&] {
+      searching = choose_backend(request.training.backend).backend;
+      return searching->pixel_search();
+    };
+    complete_cloud(scene, options, device, warnings);
     for (const std::string& warning : warnings) warn(warning);
   }
   resolve_by_cloud(scene, options);

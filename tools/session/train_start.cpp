@@ -143,10 +143,11 @@ std::vector<std::string> training_warnings(const Scene& scene, const TrainOption
   return warnings;
 }
 
-std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& options,
-                                          Backend& backend, std::vector<std::string>& warnings) {
+std::optional<std::string> complete_cloud(
+    Scene& scene, const TrainOptions& options,
+    const std::function<std::unique_ptr<PixelSearch>()>& device,
+    std::vector<std::string>& warnings) {
   if (!options.sweep || !scene.points.position.empty()) return std::nullopt;
-  const auto device = [&] { return backend.pixel_search(); };
   RigCloud cloud = is_as_filed(scene, options) ? rig_cloud(SceneFrames(scene), {}, device)
                                                : rig_cloud(FolderFrames(scene.path), {}, device);
   if (cloud.points.position.empty()) return std::nullopt;

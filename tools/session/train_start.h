@@ -26,9 +26,11 @@ std::vector<std::string> training_warnings(const Scene& scene, const TrainOption
 /// Gives a scene without a cloud the one that `tessera ingest` makes by default, unless
 /// options.sweep is off: the rig_cloud() of its frames as they are in the files, with those for
 /// validation; files are read again where frames in memory differ in size or background. A line on
-/// what was found; none where nothing was. `backend`: searches the pixels where it can.
-std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& options,
-                                          Backend& backend, std::vector<std::string>& warnings);
+/// what was found; none where nothing was. `device`: of rig_cloud().
+std::optional<std::string> complete_cloud(
+    Scene& scene, const TrainOptions& options,
+    const std::function<std::unique_ptr<PixelSearch>()>& device,
+    std::vector<std::string>& warnings);
 
 /// Replaces what options leave to a measurement on `scene`, which has its cloud; a line on each.
 /// A near plane of 0: by half of nearest_depth(scene), or by the usual one where the cloud has too

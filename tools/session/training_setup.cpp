@@ -64,7 +64,8 @@ void complete_by_images(TrainingSetup& setup, const TrainRequest& request, doubl
   Scene& scene = setup.scene;
   std::vector<std::string> warnings;
   const std::optional<std::string> cloud = wall.time(WallSplit::kCloud, [&] {
-    return complete_cloud(scene, setup.options, *setup.backend, warnings);
+    return complete_cloud(
+        scene, setup.options, [&] { return setup.backend->pixel_search(); }, warnings);
   });
   if (cloud) observer.on_message(*cloud);
   for (const std::string& warning : warnings) warn(warning);

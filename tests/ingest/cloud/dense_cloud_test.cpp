@@ -14,12 +14,14 @@
 #include "ingest/prepared/prepared_scene.h"
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/parallel.h"
+#include "tests/ingest/cloud/equal_clouds.h"
 #include "tests/ingest/cloud/wall_scene.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {
 namespace {
 
+using testing::expect_equal;
 using testing::TemporaryFolder;
 using testing::wall_scene;
 
@@ -39,14 +41,6 @@ PointCloud dense_cloud(const Scene& scene, const CloudOptions& options) {
 int64_t marked(const PointCloud& cloud) {
   return std::count_if(cloud.colour.begin(), cloud.colour.end(),
                        [](const auto& rgb) { return rgb[2] == 255; });
-}
-
-void expect_equal(const PointCloud& one, const PointCloud& other) {
-  EXPECT_EQ(one.position, other.position);
-  EXPECT_EQ(one.colour, other.colour);
-  EXPECT_EQ(one.time, other.time);
-  EXPECT_EQ(one.still, other.still);
-  EXPECT_EQ(one.velocity, other.velocity);
 }
 
 // Bug put back: the limit checked once a round; seen to fail.

@@ -2,22 +2,16 @@
 #include <gtest/gtest.h>
 
 #include "ingest/cloud/initial_cloud.h"
+#include "tests/ingest/cloud/equal_clouds.h"
 #include "tests/ingest/cloud/host_search.h"
 #include "tests/ingest/cloud/wall_scene.h"
 
 namespace tessera {
 namespace {
 
+using testing::expect_equal;
 using testing::HostSearch;
 using testing::wall_scene;
-
-void expect_same_points(const PointCloud& one, const PointCloud& other) {
-  EXPECT_EQ(one.position, other.position);
-  EXPECT_EQ(one.colour, other.colour);
-  EXPECT_EQ(one.time, other.time);
-  EXPECT_EQ(one.still, other.still);
-  EXPECT_EQ(one.velocity, other.velocity);
-}
 
 // Bugs put back: what moves and what does not changed over; one pixel a group; depths of the host's
 // own images; each seen to fail.
@@ -37,7 +31,7 @@ TEST(DeviceSearch, FindsTheCloudOfTheHost) {
         rig_cloud(SceneFrames(scene), options, [&] { return std::make_unique<Noted>(searched); });
     EXPECT_GT(by_host.velocities.moving, 50) << apart;
     EXPECT_GT(searched, 1000) << "by the device";
-    expect_same_points(by_device.points, by_host.points);
+    expect_equal(by_device.points, by_host.points);
   }
 }
 

@@ -3,7 +3,9 @@
 #include "tests/ingest/cloud/host_search.h"
 
 #include "ingest/cloud/initial_cloud.h"
+#include "ingest/cloud/plane_sweep.h"
 #include "ingest/cloud/still_pixels.h"
+#include "tests/ingest/cloud/equal_clouds.h"
 #include "tests/ingest/cloud/wall_scene.h"
 #include "tests/support/backends.h"
 
@@ -22,16 +24,10 @@ std::vector<SearchView> views_of(const Scene& scene) {
   for (size_t i = 0; i < views.size(); ++i) {
     const Frame& frame = scene.frames[i];
     SearchView& view = views[i];
-    view.image = {frame.image.data.data(), frame.image.width, frame.image.height};
-    view.mask = frame.mask.data().empty() ? nullptr : frame.mask.data().data();
-    view.camera = frame.camera;
-    view.eye = frame.camera.position();
-    view.time = frame.time;
+    set_frame(frame, still, view);
     for (size_t k = 0; k < views.size() && view.other_count < kMostSights; ++k)
       if (k != i && scene.frames[k].timestep == frame.timestep)
         view.others[view.other_count++] = int(k);
-    for (const StillSight& sight : still.sights_of(frame, still.light_of(frame)))
-      view.sights[view.sight_count++] = sight;
   }
   return views;
 }
@@ -100,9 +96,7 @@ TEST_P(BackendPixelSearch, MakesTheCloudOfTheHost) {
     const RigCloud device =
         rig_cloud(SceneFrames(scene), options, [&] { return backend().pixel_search(); });
     EXPECT_GT(host.velocities.moving, 50);
-    EXPECT_EQ(device.points.position, host.points.position);
-    EXPECT_EQ(device.points.velocity, host.points.velocity);
-    EXPECT_EQ(device.points.still, host.points.still);
+    expect_equal(device.points, host.points);
   }
 }
 
