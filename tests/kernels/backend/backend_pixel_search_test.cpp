@@ -32,7 +32,7 @@ std::vector<SearchView> views_of(const Scene& scene) {
   return views;
 }
 
-void expect_equal(PixelSearch& device, const Scene& scene, int step) {
+void expect_host_results(PixelSearch& device, const Scene& scene, int step) {
   HostSearch host;
   const std::vector<SearchView> views = views_of(scene);
   host.set_views(views, kRange);
@@ -63,11 +63,11 @@ TEST_P(BackendPixelSearch, FindsWhatTheHostFinds) {
   const std::unique_ptr<PixelSearch> device = backend().pixel_search();
   ASSERT_NE(device, nullptr);
   Scene scene = wall_scene({.cameras = 10, .timesteps = 3, .size = 97, .apart = 0.1});
-  expect_equal(*device, scene, 3);
+  expect_host_results(*device, scene, 3);
   std::vector<uint8_t> mask(97 * 97, 255);
   for (size_t i = 0; i < mask.size(); ++i) mask[i] = i % 97 < 40 ? 0 : 255;
   for (size_t i = 0; i < 6; ++i) scene.frames[i].mask = Image8{97, 97, 1, mask};
-  expect_equal(*device, scene, 3);
+  expect_host_results(*device, scene, 3);
 }
 
 // Images change at the same place of the host's memory.
