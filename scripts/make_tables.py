@@ -27,6 +27,7 @@ COLUMNS = {  # key in a row: (heading, digits after the point, divisor)
     "psnr_static": ("PSNR of static pixels, dB", 2, 1),
     "ssim": ("SSIM", 4, 1),
     "seconds": ("training, s", 1, 1),
+    "whole_seconds": ("whole command, s", 1, 1),
     "num_gaussians": ("Gaussians", 0, 1),
     "shipped_bytes": ("size, MiB", 1, 2**20),
     "peak_bytes": ("device memory, GiB", 2, 2**30),
@@ -35,8 +36,8 @@ MOST_COLUMNS = 5  # of a table, so that a page shows it whole
 LAST_COLUMNS = ("seconds", "shipped_bytes")
 UNITS = {  # unit in the text: (beginnings of the keys that have it, size of the unit in theirs)
     "dB": (("psnr",), 1),
-    "s": (("seconds",), 1),
-    "min": (("seconds",), 60),
+    "s": (("seconds", "whole_seconds"), 1),
+    "min": (("seconds", "whole_seconds"), 60),
     "MB": (("shipped_bytes", "peak_bytes"), 1e6),
     "MiB": (("shipped_bytes", "peak_bytes"), 2**20),
     "GiB": (("shipped_bytes", "peak_bytes"), 2**30),

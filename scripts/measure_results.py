@@ -8,8 +8,8 @@ A line of RECORDS.jsonl is a JSON object per training: name, scene, preset, seed
 device, n (Gaussians), psnr, ssim, moving, static (PSNR in dB), bytes (of the exported Tessera 4D
 file), version, commit, command. psnr, ssim, moving, static and bytes may be null; psnr_val (of the
 split val), fit (PSNR after the best gain and offset of each camera), lowest (PSNR at the lowest
-timestep), object (of the worst object at its lowest timestep) and peak_bytes (of device memory) may
-be absent. scripts/measure_training.py writes such lines. Trainings are grouped by scene and preset;
+timestep), object (of the worst object at its lowest timestep), whole (seconds of the command) and
+peak_bytes (of device memory) may be absent. scripts/measure_training.py writes such lines. Trainings are grouped by scene and preset;
 docs/development/results.md describes the result. Where the file is there, its labels, columns, note
 and source stay: a measurement that is repeated changes figures only.
 """
@@ -24,9 +24,9 @@ import sys
 FIELDS = ("name", "scene", "preset", "seed", "options", "seconds", "device", "n", "psnr", "ssim",
           "moving", "static", "bytes", "version", "commit", "command")
 KEYS = {"psnr": "psnr", "psnr_val": "psnr_val", "psnr_moving": "moving", "psnr_static": "static", "ssim": "ssim",
-        "seconds": "seconds", "num_gaussians": "n", "shipped_bytes": "bytes",
+        "seconds": "seconds", "whole_seconds": "whole", "num_gaussians": "n", "shipped_bytes": "bytes",
         "psnr_fit": "fit", "psnr_lowest": "lowest", "psnr_object": "object", "peak_bytes": "peak_bytes"}
-MAY_BE_ABSENT = {"psnr_val", "psnr_fit", "psnr_lowest", "psnr_object", "peak_bytes"}
+MAY_BE_ABSENT = {"psnr_val", "psnr_fit", "psnr_lowest", "psnr_object", "peak_bytes", "whole_seconds"}
 SAID_BY_HAND = ("source", "note", "labels", "columns")
 
 

@@ -7,7 +7,7 @@
 
 Options after -- are passed to every training. A line of JSON per training is added to FILE.jsonl
 as it ends; scripts/measure_results.py makes a results file of such lines. The table at the end has
-medians over the seeds: seconds of training, sum of the device seconds of the stages, their ratio,
+medians over the seeds: seconds of training and of the whole command, sum of the device seconds of the stages, their ratio,
 seconds of decisions and the frames that their first passes drew, loading, Gaussians, peak memory,
 PSNR of all pixels of the test views, of moving and of static pixels, after the best gain and offset
 of each camera, and at the lowest timestep. With --boxes, which holds for all scenes given, also that
@@ -25,9 +25,11 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import time
 
 COLUMNS = {  # key in a record: (heading, format)
     "seconds": ("train s", "{:.1f}"),
+    "whole": ("whole command s", "{:.1f}"),
     "stages": ("Σ stages s", "{:.1f}"),
     "ratio": ("ratio", "{:.2f}"),
     "decisions": ("decisions s", "{:.2f}"),
@@ -71,7 +73,9 @@ def measure(tessera, scene, preset, seed, options, split, boxes):
         out = pathlib.Path(folder) / "run"
         command = [tessera, "train", scene, "-o", str(out), "--preset", preset, "--seed", str(seed),
                    *options]
+        start = time.monotonic()
         trained = run_json([*command, "--json"])
+        whole = time.monotonic() - start
         boxed = ["--boxes", boxes] if boxes else []
         scores = run_json([tessera, "evaluate", str(out), "--scene", scene, "--json", *boxed])
         decisions = decisions_of(out / "log.jsonl")
@@ -86,7 +90,7 @@ def measure(tessera, scene, preset, seed, options, split, boxes):
         "options": options,
         "command": " ".join(["tessera", "train", pathlib.Path(scene).name, "-o", "RUN", *command[5:]]),
         "device": trained["device"].removeprefix("cuda, "),
-        "seconds": trained["seconds"], "stages": stages,
+        "seconds": trained["seconds"], "whole": whole, "stages": stages,
         "ratio": trained["seconds"] / stages if stages > 0 else None,
         "stage_ms": trained["stage_ms"], "stage_gbytes": trained["stage_gbytes"],
         "decisions": sum(event["decision_seconds"] for event in decisions),
