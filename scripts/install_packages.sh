@@ -36,7 +36,7 @@ if [ "$purpose" = check ]; then
   # other versions format otherwise
   [ "$clang" != 14 ] || packages+=(clang-format-14 clang-tidy-14)
 fi
-if ! command -v node >/dev/null && [ ! -f "$(dirname "$0")/../tools/player/player.html" ]; then
+if ! command -v node >/dev/null && [ ! -d "$(dirname "$0")/../tools/web/built" ]; then
   packages+=(nodejs npm)  # the web player; a newer node than the distribution's stays
 fi
 

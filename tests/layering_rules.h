@@ -34,7 +34,7 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"tools/view/", {"kernels/base/", "tools/view/"}},
     // reports are made from files and images, by commands and by batches
     {"tools/report/",
-     {"kernels/", "ingest/", "recon4d/", "tools/camera_paths/", "tools/player/", "tools/session/",
+     {"kernels/", "ingest/", "recon4d/", "tools/camera_paths/", "tools/web/", "tools/session/",
       "tools/report/", "tools/video/"}},
     {"tools/", {"kernels/", "ingest/", "ingest_media/", "recon4d/", "static3d/", "tools/"}},
     {"tests/", {""}},

@@ -88,7 +88,7 @@ TEST(Words, OfPagesAreTheFieldsOwn) {
 
 // Seen to fail: splat4d_shader.ts had a class Moment, stage.ts "the picture".
 TEST(Words, OfThePlayerAreTheFieldsOwn) {
-  EXPECT_GT(check_folder("tools/player", is_player_source), 1500u);
+  EXPECT_GT(check_folder("tools/web", is_player_source), 1500u);
 }
 
 // Seen to fail with the head of scripts/check_mutations.py in its old form, "What: … Not: …".

@@ -13,7 +13,7 @@ import {expectClean, fixture, launchBrowser, openPage, packagesFolder, psnr, rea
 const kTimes = [0, 0.35, 1];
 const kModels = {pairs: fixture.model, carried: fixture.carried};
 const folder = scratchFolder(), player = join(folder, 'player'), loader = join(player, 'loader');
-const source = join(dirname(fileURLToPath(import.meta.url)), '../../tools/player');
+const source = join(dirname(fileURLToPath(import.meta.url)), '../../tools/web');
 let browser, server;
 
 /** The package, built from the sources with the player's packages. */

@@ -10,12 +10,12 @@ import {pathToFileURL} from 'node:url';
 const work = process.env.TESSERA_PLAYER_WORK;
 if (!work) throw new Error('TESSERA_PLAYER_WORK is not set; run through ctest -L browser');
 
-/** What src/NAME.ts of the player export, several as one so that they share their classes. */
+/** What player/NAME.ts of the player export, several as one so that they share their classes. */
 export async function playerModules(...names) {
   const esbuild = createRequire(join(work, 'package.json'))('esbuild');
   const outfile = join(mkdtempSync(join(tmpdir(), 'player_')), 'modules.mjs');
   const contents = names.map((name) => `export * from './${name}';`).join('\n');
-  await esbuild.build({stdin: {contents, resolveDir: join(work, 'src'), loader: 'ts'}, bundle: true,
+  await esbuild.build({stdin: {contents, resolveDir: join(work, 'player'), loader: 'ts'}, bundle: true,
                        outfile, format: 'esm', platform: 'neutral', logLevel: 'error'});
   return import(pathToFileURL(outfile).href);
 }

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/batch/batch_tables.h"
-#include "tools/player/page_words.h"
 #include "tools/report/axis.h"
 #include "tools/report/report_pieces.h"
+#include "tools/web/page_words.h"
 
 namespace tessera {
 namespace {

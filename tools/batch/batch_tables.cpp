@@ -9,10 +9,10 @@
 #include <set>
 #include <vector>
 
-#include "tools/player/page_words.h"
 #include "tools/report/axis.h"
 #include "tools/report/report_pieces.h"
 #include "tools/report/svg_chart.h"
+#include "tools/web/page_words.h"
 
 namespace tessera {
 namespace {

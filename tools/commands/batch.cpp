@@ -22,8 +22,8 @@
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/train_arguments.h"
-#include "tools/player/player_page.h"
 #include "tools/session/device_choice.h"
+#include "tools/web/web_page.h"
 
 namespace tessera {
 namespace {
@@ -110,7 +110,7 @@ void complete(const CLI::App& command, BatchRequest& request) {
   if (command.count("--gpus") == 0)
     config.gpus = runs_here(request.engine) && is_cuda_chosen("auto") ? 1 : 0;
   request.engine.gpus = config.gpus;
-  if (command.count("--exports") == 0 && !carries_player_page()) config.exports = {"tessera"};
+  if (command.count("--exports") == 0 && !carries_pages()) config.exports = {"tessera"};
 }
 
 /// What `tessera batch` wrote; null where a person did, or nobody.

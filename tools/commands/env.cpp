@@ -16,9 +16,9 @@
 #include "kernels/device_probe.h"
 #include "tools/cli/command.h"
 #include "tools/cli/terminal.h"
-#include "tools/player/player_page.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/version.h"
+#include "tools/web/web_page.h"
 
 namespace tessera {
 namespace {
@@ -82,7 +82,7 @@ json facts() {
           {"threads", std::thread::hardware_concurrency()},
           {"memory_gib", double(machine_memory()) / double(1 << 30)},
           {"cuda", cuda_facts()},
-          {"player_page", carries_player_page()},
+          {"player_page", carries_pages()},
           {"libraries", libraries},
           {"programs", programs}};
 }

@@ -33,13 +33,13 @@
 #include "tools/live/live_training.h"
 #include "tools/live/stopped_training.h"
 #include "tools/live/view_child.h"
-#include "tools/player/player_page.h"
 #include "tools/report/write_run_report.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/held_out_scores.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
+#include "tools/web/web_page.h"
 
 namespace tessera {
 namespace {
@@ -130,7 +130,7 @@ class Runner {
     result["export"] = request_.export_frames > 0
                            ? ledger_.result("export")
                            : json{{"folder", frames().string()}, {"frames", 0}, {"bytes", 0}};
-    if (carries_player_page()) result["player"] = ledger_.result("player");
+    if (carries_pages()) result["player"] = ledger_.result("player");
     if (fs::exists(report_page())) result["report"] = report_page().string();
     result["model"] = run_.model().string();
     result["metrics"] = run_.metrics().string();
@@ -326,7 +326,7 @@ class Runner {
   }
 
   bool write_player() {
-    if (!carries_player_page()) {
+    if (!carries_pages()) {
       warn(kPage.message(
           ": not written, because nodejs and npm were not found when this program was built"));
       return true;

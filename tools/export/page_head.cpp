@@ -1,4 +1,4 @@
-// Replaces placeholders of the player's page (player_page.h) by escaped text and data addresses,
+// Replaces placeholders of the player's page (web_page.h) by escaped text and data addresses,
 // and encodes the test images.
 #include "tools/export/page_head.h"
 
@@ -18,10 +18,10 @@
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/backend_options.h"
 #include "tools/export/image_files.h"
-#include "tools/player/page_words.h"
-#include "tools/player/player_page.h"
 #include "tools/session/run_folder.h"
 #include "tools/video/video_encoder.h"
+#include "tools/web/page_words.h"
+#include "tools/web/web_page.h"
 
 namespace tessera {
 namespace {
@@ -156,7 +156,7 @@ PageHead page_head(const ExportRequest& request, const GaussianModel& model) {
 }
 
 std::string with_head(std::string page, const PageHead& head, bool beside) {
-  fill(page, kPlayerTitle, head_tags(head, beside));
+  fill(page, kPageTitle, head_tags(head, beside));
   if (!head.poster.bytes.empty())
     fill(page, kPlayerPoster,
          fmt::format(R"(<img id="poster" alt="" src="{}" />)",

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "kernels/base/errors.h"
-#include "tools/player/page_words.h"
-#include "tools/player/player_page.h"
+#include "tools/web/page_words.h"
+#include "tools/web/web_page.h"
 
 namespace tessera {
 
@@ -47,7 +47,7 @@ void check_page_plays(const SplatFormat& format) {
 }
 
 std::string page_bytes_note(int64_t max_bytes) {
-  if (max_bytes == 0 || !carries_player_page()) return "";
+  if (max_bytes == 0 || !carries_pages()) return "";
   return fmt::format(
       "--max-bytes counts the 4D file; a page that is exported of it adds {:.1f} MB of player",
       double(player_page().size()) / 1e6);

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/camera_table_text.h"
-#include "tools/player/page_words.h"
 #include "tools/report/log_events.h"
+#include "tools/web/page_words.h"
 
 namespace tessera {
 namespace {

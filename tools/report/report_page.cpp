@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
-#include "tools/player/page_words.h"
 #include "tools/report/axis.h"
 #include "tools/report/camera_section.h"
 #include "tools/report/report_pieces.h"
+#include "tools/web/page_words.h"
 
 namespace tessera {
 namespace {

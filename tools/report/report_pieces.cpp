@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "tools/player/page_words.h"
 #include "tools/report/run_images.h"
+#include "tools/web/page_words.h"
 
 #define TESSERA_PAGE_FILE(name, path) \
   asm(".pushsection .rodata\n"        \

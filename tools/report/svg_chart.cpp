@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/player/page_words.h"
 #include "tools/report/axis.h"
 #include "tools/report/chart_labels.h"
 #include "tools/report/svg_elements.h"
+#include "tools/web/page_words.h"
 
 namespace tessera {
 namespace {

@@ -7,9 +7,9 @@
 #include <array>
 #include <cstdint>
 
-#include "tools/player/page_words.h"
 #include "tools/report/chart_labels.h"
 #include "tools/report/svg_chart.h"
+#include "tools/web/page_words.h"
 
 namespace tessera {
 namespace {

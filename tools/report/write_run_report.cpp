@@ -15,10 +15,10 @@
 #include "recon4d/model/model_file.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"
-#include "tools/player/page_words.h"
 #include "tools/report/report_page.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
+#include "tools/web/page_words.h"
 
 namespace tessera {
 namespace {

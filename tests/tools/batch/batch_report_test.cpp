@@ -11,7 +11,7 @@
 #include "tests/support/scratch_folder.h"
 #include "tools/batch/batch_page.h"
 #include "tools/bench/report.h"
-#include "tools/player/page_words.h"
+#include "tools/web/page_words.h"
 
 namespace tessera {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "tests/support/small_disk.h"
 #include "tests/tools/commands/cli_workspace.h"
-#include "tools/player/player_page.h"
 #include "tools/video/video_encoder.h"
+#include "tools/web/web_page.h"
 
 namespace tessera::testing {
 namespace {
@@ -186,7 +186,7 @@ TEST_F(CliFullDisk, Export) {
   std::vector<Words> formats{
       {"ply"},     {"compressed"},          {"spz"},    {"splat"},      {"glb"},
       {"tessera"}, {"tessera", "--single"}, {"splatv"}, {"moving-glb"}, {"model"}};
-  if (carries_player_page()) formats.insert(formats.end(), {{"page"}, {"html"}, {"ply", "--page"}});
+  if (carries_pages()) formats.insert(formats.end(), {{"page"}, {"html"}, {"ply", "--page"}});
   for (const Words& format : formats) {
     std::string name = "export";
     for (const std::string& word : format) name += "_" + word;

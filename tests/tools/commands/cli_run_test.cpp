@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "tests/tools/commands/cli_workspace.h"
-#include "tools/player/player_page.h"
+#include "tools/web/web_page.h"
 
 namespace tessera::testing {
 namespace {
@@ -22,7 +22,7 @@ class CliRun : public ::testing::Test {
     return work.run(arguments);
   }
   /// Whether the program carries the player's page.
-  static bool plays() { return carries_player_page(); }
+  static bool plays() { return carries_pages(); }
   /// The stages of a run from one on.
   static std::string from(const std::string& stage) {
     const std::string all =

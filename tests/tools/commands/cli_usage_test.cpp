@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/commands/cli_workspace.h"
-#include "tools/player/player_page.h"
+#include "tools/web/web_page.h"
 
 namespace tessera::testing {
 namespace {
@@ -187,8 +187,7 @@ TEST(CliUsage, ReportsUncountedAndUnreadOptions) {
   EXPECT_NE(trained.err.find("read as transforms_train.json; sparse/0 is there, too"),
             std::string::npos)
       << trained.err;
-  EXPECT_EQ(trained.err.find("MB of player") != std::string::npos, carries_player_page())
-      << trained.err;
+  EXPECT_EQ(trained.err.find("MB of player") != std::string::npos, carries_pages()) << trained.err;
 }
 
 // Bugs put back, each seen to fail: `options` taken for an option; the parser's reason left out;

@@ -1,5 +1,5 @@
 // Escapes of HTML and of addresses, and base64.
-#include "tools/player/page_words.h"
+#include "tools/web/page_words.h"
 
 #include <fmt/format.h>
 

@@ -3,12 +3,12 @@
 // docs/reference/tessera4d.md.
 import type { SparkRenderer, SparkRendererOptions } from "@sparkjsdev/spark";
 import * as THREE from "three";
-import { BlocksContent } from "../../src/blocks_content";
-import { bytesSource, folderSource, singleFileSource, type BlockSource } from "../../src/container";
-import { fetchBytes, nameOf } from "../../src/fetching";
-import type { Progress } from "../../src/loading";
-import { FORMAT, parseJson, type Bounds, type Camera, type Triple } from "../../src/manifest";
-import { PlayerError } from "../../src/player_error";
+import { BlocksContent } from "../../player/blocks_content";
+import { bytesSource, folderSource, singleFileSource, type BlockSource } from "../../player/container";
+import { fetchBytes, nameOf } from "../../player/fetching";
+import type { Progress } from "../../player/loading";
+import { FORMAT, parseJson, type Bounds, type Camera, type Triple } from "../../player/manifest";
+import { PlayerError } from "../../player/player_error";
 
 export type { Bounds, Camera, Progress, Triple };
 /** An error that a user can act on: its message names the file and the remedy. */

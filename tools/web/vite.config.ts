@@ -1,23 +1,30 @@
-// Builds the page as one file: script and style are written into index.html, with the licences of
-// its libraries at the top.
+// Builds the page that PAGE names as one file: script and style are written into its index.html,
+// with the licences of its libraries at the top.
 import { readFileSync } from "node:fs";
 import { defineConfig, type Plugin } from "vite";
 
-const NOTICES = ["three", "@sparkjsdev/spark", "fflate"].map((name) => {
+const LIBRARIES: Record<string, string[]> = {
+  player: ["three", "@sparkjsdev/spark", "fflate"],
+  report: ["uplot"],
+};
+const PAGE = process.env.PAGE ?? "player";
+const INDEX = `${PAGE}/index.html`;
+
+const NOTICES = LIBRARIES[PAGE].map((name) => {
   const folder = new URL(`node_modules/${name}/`, import.meta.url);
   const { version } = JSON.parse(readFileSync(new URL("package.json", folder), "utf8"));
   return `${name} ${version}\n\n${readFileSync(new URL("LICENSE", folder), "utf8").trim()}`;
 });
 
-const HEADING = `<!--\nTessera's player. It contains:\n\n${NOTICES.join("\n\n")}\n-->\n`;
+const HEADING = `<!--\nTessera's ${PAGE}. It contains:\n\n${NOTICES.join("\n\n")}\n-->\n`;
 
 function oneFile(): Plugin {
   return {
     name: "one-file",
     enforce: "post",
     generateBundle(_options, bundle) {
-      const page = bundle["index.html"];
-      if (page?.type !== "asset") throw new Error("the build made no index.html");
+      const page = bundle[INDEX];
+      if (page?.type !== "asset") throw new Error("the build made no page");
       let html = String(page.source);
       for (const [name, item] of Object.entries(bundle)) {
         if (item === page) continue;
@@ -25,7 +32,7 @@ function oneFile(): Plugin {
         const source = text.replace(/\/\/# sourceMappingURL=[\w.-]+/g, ""); // would be asked for
         const escaped = name.replace(/\W/g, "\\$&");
         const tag = new RegExp(`[ \\t]*<(script|link)[^>]*${escaped}[^>]*>(</script>)?\\n?`);
-        if (!tag.test(html)) throw new Error(`${name} is not in index.html: it cannot be one file`);
+        if (!tag.test(html)) throw new Error(`${name} is not in ${INDEX}: it cannot be one file`);
         html = html.replace(tag, "");
         const inline =
           item.type === "chunk"
@@ -37,7 +44,7 @@ function oneFile(): Plugin {
         delete bundle[name];
       }
       page.source = html.replace(/^(<!doctype html>\n)/i, (doctype) => doctype + HEADING);
-      page.fileName = "player.html";
+      page.fileName = `${PAGE}.html`;
     },
   };
 }
@@ -47,6 +54,7 @@ export default defineConfig({
   publicDir: false,
   build: {
     target: "es2022",
+    rollupOptions: { input: INDEX },
     assetsInlineLimit: Number.MAX_SAFE_INTEGER,
     cssCodeSplit: false,
     modulePreload: false,

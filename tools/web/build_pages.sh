@@ -1,0 +1,42 @@
+#!/bin/sh
+# Builds PAGE.html in OUT, a folder of the build, one after another: packages of package-lock.json,
+# then the pages.
+# Usage: build_pages.sh NPM SOURCE OUT on|auto PAGE...   auto: without packages (no network) empty
+# pages
+set -eu
+npm=$1 source=$2 out=$3 mode=$4
+shift 4
+work=$out/work
+
+pages=$*
+fail() {
+  if [ "$mode" = on ]; then
+    echo "web pages: $1" >&2
+    exit 1
+  fi
+  echo "web pages: $1; built without them. To try again: rm $out/*.html, and build" >&2
+  for page in $pages; do : > "$out/$page.html"; done
+  exit 0
+}
+
+mkdir -p "$work"
+if ! cmp -s "$source/package-lock.json" "$work/fetched-lock.json"; then
+  rm -f "$work/fetched-lock.json"
+  cp "$source/package.json" "$source/package-lock.json" "$work/"
+  (cd "$work" && "$npm" ci --ignore-scripts --no-audit --no-fund --loglevel=error >&2) ||
+    fail "npm ci cannot fetch the packages of tools/web/package-lock.json"
+  cp "$source/package-lock.json" "$work/fetched-lock.json"
+fi
+rm -rf "$work/dist"
+for page in "$@"; do
+  rm -rf "${work:?}/$page"
+  cp -R "$source/$page" "$work/$page"
+done
+cp "$source/package.json" "$source/vite.config.ts" "$source/tsconfig.json" "$work/"
+# what is wrong with a page itself is never passed over
+(cd "$work" && "$npm" run --silent check >&2)
+for page in "$@"; do
+  # a build for each: what two pages share would be a file of its own
+  (cd "$work" && PAGE=$page "$npm" run --silent build >&2)
+  cp "$work/dist/$page.html" "$out/$page.html"
+done
