@@ -19,7 +19,7 @@ let browser, server;
 /** The package, built from the sources with the player's packages. */
 function build() {
   mkdirSync(player);
-  for (const name of ['src', 'loader', 'tsconfig.json', 'package.json'])
+  for (const name of ['player', 'loader', 'tsconfig.json', 'package.json'])
     cpSync(join(source, name), join(player, name), {recursive: true});
   symlinkSync(join(process.env.TESSERA_PLAYER_WORK, 'node_modules'), join(player, 'node_modules'));
   execFileSync('npm', ['run', '--silent', 'build'], {cwd: loader, stdio: 'inherit'});
