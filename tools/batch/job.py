@@ -22,7 +22,7 @@ import settings
 import training
 
 RULES = ("ingest", "doctor", "train", "evaluate", "export", "report")
-FAILED, BAD_INPUT, CHECKPOINT_REFUSED = 1, 2, 65  # exit codes
+FAILED, BAD_INPUT = 1, 2  # exit codes
 UNFINISHED = ("ended without a word: out of memory or time, or its machine was lost "
               "(or it still runs)")
 
@@ -174,11 +174,6 @@ def perform(job, log):
     part = output + ".part"
     begin = os.fstat(log.fileno()).st_size
     code = run(job, words, part, log)
-    if code == CHECKPOINT_REFUSED:  # of another version of the program or of the scene
-        print(time.strftime("%F %T"), "set aside:", training.set_checkpoint_aside(job.run), file=log,
-              flush=True)
-        begin = os.fstat(log.fileno()).st_size
-        code = run(job, job.words(before)[0], part, log)
     if not accepted(job, code, part):
         os.remove(part)
         return code or FAILED, last_line(job.log, begin)

@@ -1,5 +1,5 @@
-"""How a training starts: from the beginning, from its checkpoint, or with fewer Gaussians after
-it ran out of memory."""
+"""What a training is asked for: with fewer Gaussians after it ran out of memory. Whether it starts
+or goes on, `tessera train --resume=auto` decides."""
 import hashlib
 import os
 import re
@@ -12,27 +12,14 @@ LEAST_SHARE = 0.2  # of all memory in Gaussians; below, fewer of them do not hel
 
 
 def digest(scene):
-    """Of what is in a prepared scene, by the hashes that it holds of its sources. Other masks are
-    seen by the training, which refuses the checkpoint. Errors: OSError: one that cannot be read is
-    not another one, for which the checkpoint would be of no use."""
+    """Of what is in a prepared scene, by the hashes that it holds of its sources: another one may
+    need less memory."""
     value = hashlib.sha256()
     for name in ("transforms.json", "points.ply"):
         if name == "transforms.json" or os.path.exists(os.path.join(scene, name)):
             with open(os.path.join(scene, name), "rb") as file:
                 value.update(file.read())
     return value.hexdigest()
-
-
-def set_checkpoint_aside(run):
-    """A refused checkpoint may be hours of work for another version of the program or of the scene:
-    it is renamed to checkpoint.refused (.2, .3, ... where there is one). Returns the name."""
-    first = aside = os.path.join(run, "checkpoint.refused")
-    number = 2
-    while os.path.exists(aside):
-        aside = f"{first}.{number}"
-        number += 1
-    os.rename(os.path.join(run, "checkpoint.ckpt"), aside)
-    return aside
 
 
 def died_of_memory(failure, slurm_state):
@@ -59,26 +46,18 @@ def smaller(run, forecast):
 
 
 def command(run, scene, variant, seed, deterministic, forecast, out_of_memory):
-    """The words after `tessera train SCENE -o RUN`; batch.json beside the checkpoint says what it
-    is of."""
+    """The words after `tessera train SCENE -o RUN`; batch.json says what it was reduced by."""
     state_file = os.path.join(run, "batch.json")
-    checkpoint = os.path.join(run, "checkpoint.ckpt")
     asked = {"preset": variant.preset, "options": variant.given(), "seed": seed,
              "deterministic": deterministic, "scene": digest(scene)}
     state = records.read(state_file)
     reduced = state.get("reduced", {}) if state.get("asked") == asked else {}
     if out_of_memory and state.get("asked") == asked:
         reduced = smaller(run, forecast) or reduced
-    session = variant.arguments(SESSION_OPTIONS)
-    now = {"asked": asked, "reduced": reduced}
-    if state == now and os.path.exists(checkpoint):
-        return ["--resume", *session]
     os.makedirs(run, exist_ok=True)
-    for file in (checkpoint, os.path.join(run, "model.ply")):
-        if os.path.exists(file):
-            os.remove(file)  # before its description changes; without a model it is trained in place
-    records.write(state_file, now)
+    records.write(state_file, {"asked": asked, "reduced": reduced})
     options = {**variant.given(), **reduced, "seed": str(seed),
                "deterministic": "true" if deterministic else "false"}
     words = [word for key, value in options.items() for word in (dashed(key), value)]
-    return ["--overwrite", "--preset", variant.preset, *words, *session]
+    return ["--resume=auto", "--overwrite", "--preset", variant.preset, *words,
+            *variant.arguments(SESSION_OPTIONS)]

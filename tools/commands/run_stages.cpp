@@ -26,6 +26,7 @@
 #include "tools/cli/run_record.h"
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
+#include "tools/commands/earlier_training.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_outputs.h"
@@ -68,28 +69,14 @@ constexpr Stage kIngest{1, "ingest", "ingest"}, kTrain{2, "train", "train"},
 
 constexpr const char* kAsked = "asked";  // the entry of the request, which is done with the run
 
-json options_json(const PlannedOptions& planned) {
-  json options = to_json(planned.options);
-  if (planned.with_nodes) options["with_nodes"] = to_json(*planned.with_nodes);
-  return options;
-}
-
 /// What a run is asked for, but for what is made anew in seconds.
 json asked_of(const RunRequest& request) {
   json asked = to_json(resolve_ingest(request.ingest));
   asked["files of the capture"] = key_of(file_stamps(request.capture));
-  asked["preset"] = request.training.preset;
-  asked["ablation"] = request.training.ablation;
-  asked["options"] = options_json(resolve_options(request.training, SceneFacts{}));
+  asked.update(asked_of_training(request.training.preset, request.training.ablation,
+                                 resolve_options(request.training, SceneFacts{}), ""));
+  asked.erase("files of the scene");  // they follow from those of the capture
   return asked;
-}
-
-InputError holds_finished(const fs::path& out, const std::vector<std::string>& changed) {
-  return InputError(fmt::format(
-      "{}: holds a finished run; {}; take another -o, or pass --overwrite to replace it",
-      out.string(),
-      changed.empty() ? "what it was asked for is not known"
-                      : "changed: " + text_of_changes(changed)));
 }
 
 /// A training that was decided on after its scene was known would replace a finished one.
@@ -224,14 +211,12 @@ class Runner {
   }
 
   bool train() {
-    const json inputs = {{"preset", request_.training.preset},
-                         {"ablation", request_.training.ablation},
-                         {"files of the scene", scene_key_},
-                         {"options", options_json(planned_)}};
+    const json inputs = asked_of_training(request_.training.preset, request_.training.ablation,
+                                          planned_, scene_key_);
     const RunPlan plan = plan_run({fs::exists(run_.checkpoint()), fs::exists(run_.model()),
                                    ledger_.is_finished(kTrain.entry), ledger_.inputs(kTrain.entry)},
                                   inputs, request_.overwrite);
-    if (plan.action == RunAction::kRefuse) throw holds_finished(request_.out, plan.changed);
+    if (plan.action == RunAction::kRefuse) throw finished_run_error(request_.out, plan.changed);
     // a successor that is finished and not in its place yet is no result of anybody
     if (plan.action == RunAction::kReplace && root_ == request_.out) throw Replaces{};
     const json made_for = json::parse(run_.made_for(), nullptr, false);
@@ -258,10 +243,7 @@ class Runner {
   /// An unfinished training of another request is hours of work, too.
   void set_checkpoint_aside(const std::vector<std::string>& changed) {
     const fs::path checkpoint = run_.checkpoint(), aside = run_.set_checkpoint_aside();
-    warn(fmt::format("{}: is of an unfinished training of another request ({}); it is {} now",
-                     checkpoint.string(),
-                     changed.empty() ? "not known which" : "changed: " + text_of_changes(changed),
-                     aside.filename().string()));
+    warn(text_of_aside(checkpoint, changed, aside));
   }
 
   TrainRequest train_request() const {
@@ -386,7 +368,7 @@ std::optional<json> run_stages(const RunRequest& request, std::unique_ptr<ViewCh
   const RunPlan plan = plan_run(
       {fs::exists(run.checkpoint()), fs::exists(run.model()), is_finished, ledger.inputs(kAsked)},
       asked, request.overwrite);
-  if (plan.action == RunAction::kRefuse) throw holds_finished(request.out, plan.changed);
+  if (plan.action == RunAction::kRefuse) throw finished_run_error(request.out, plan.changed);
   const fs::path next = request.out / kNext;
   const auto run_in = [&](const fs::path& root) -> std::optional<json> {
     Runner runner(request, asked, root, view);

@@ -16,9 +16,12 @@
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/output_place.h"
+#include "tools/cli/run_record.h"
+#include "tools/cli/stage_ledger.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/train_arguments.h"
 #include "tools/cli/training_terminal.h"
+#include "tools/commands/earlier_training.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_successor.h"
@@ -83,9 +86,12 @@ void take_place(const TrainRequest& request, const fs::path& place, nlohmann::js
 class ViewedTraining {
  public:
   /// `place`: the run folder that was named; that of `request` differs for a successor.
-  ViewedTraining(TrainRequest request, fs::path place, bool with_view, TrainingTerminal& terminal)
+  /// `restarts`: where its checkpoint is refused, it is set aside.
+  ViewedTraining(TrainRequest request, fs::path place, bool restarts, bool with_view,
+                 TrainingTerminal& terminal)
       : request_(std::move(request)),
         place_(std::move(place)),
+        restarts_(restarts),
         with_view_(with_view),
         terminal_(terminal) {}
 
@@ -120,7 +126,7 @@ class ViewedTraining {
     });
     request_.snapshots = &live;
     nlohmann::json result =
-        succeeds() ? train_or_restart(request_, live) : train_session(request_, live);
+        succeeds() || restarts_ ? train_or_restart(request_, live) : train_session(request_, live);
     by_page_ = live.stopped();
     exit_code_ = interrupted()                ? stop_code()
                  : result["left"].get<bool>() ? kExitNotFinished
@@ -137,22 +143,43 @@ class ViewedTraining {
 
   TrainRequest request_;
   const fs::path place_;
-  const bool with_view_;
+  const bool restarts_, with_view_;
   TrainingTerminal& terminal_;
   std::unique_ptr<ViewChild> view_;
   bool by_page_ = false;  // the last training was stopped by its page
   int exit_code_ = kExitDone;
 };
 
-/// The exit code.
-int train_and_report(TrainRequest request, bool as_json, bool with_view) {
+/// --resume=auto: what is done where `place` holds an earlier run. False: nothing is left to do.
+bool plan_training(TrainRequest& request, const fs::path& place) {
+  const RunFolder run{place};
+  const RunPlan plan = plan_run(record_of(run, request.scene),
+                                nlohmann::json::parse(request.made_for), request.overwrite);
+  request.resume = plan.action == RunAction::kResume;
+  if (plan.action == RunAction::kDone) return false;
+  if (plan.action == RunAction::kRefuse) throw finished_run_error(place, plan.changed);
+  if (plan.action != RunAction::kStart) return true;
+  request.overwrite = true;  // no finished run is there
+  if (!fs::exists(run.checkpoint())) return true;
+  const fs::path aside = run.set_checkpoint_aside();
+  warn(text_of_aside(run.checkpoint(), plan.changed, aside));
+  return true;
+}
+
+/// The exit code. `decides`: --resume=auto.
+int train_and_report(TrainRequest request, bool decides, bool as_json, bool with_view) {
   try {
     TrainingTerminal terminal;
     const fs::path place = request.run;
     complete_move(place, terminal);
+    if (decides && !plan_training(request, place)) {
+      const nlohmann::json result = recorded_result(RunFolder{place});
+      print_result(as_json, result, training_text(result) + "\ndone before, unchanged");
+      return kExitDone;
+    }
     if (request.overwrite && !request.resume && fs::exists(RunFolder{place}.model()))
       train_beside(request);
-    ViewedTraining training(std::move(request), place, with_view, terminal);
+    ViewedTraining training(std::move(request), place, decides, with_view, terminal);
     const nlohmann::json result = training.train();
     print_result(as_json, result,
                  training_text(result) + stopped_text(training.request(), place, result));
@@ -171,6 +198,7 @@ void add_train_command(CLI::App& app, Work& work) {
     TrainRequest request;
     TrainArguments arguments;
     bool json = false, view = false;
+    std::string resume;
     int64_t stop_after = 0;
     std::string time_limit;
   };
@@ -179,8 +207,11 @@ void add_train_command(CLI::App& app, Work& work) {
       *app.add_subcommand("train", "train a model from a prepared scene or a D-NeRF folder");
   command.add_option("scene", parsed->request.scene, "prepared scene or D-NeRF folder")->required();
   command.add_option("-o,--out", parsed->request.run, "run folder")->required();
-  command.add_flag("--resume", parsed->request.resume,
-                   "resume from the checkpoint of the run folder, with its options");
+  command
+      .add_flag("--resume", parsed->resume,
+                "resume from the checkpoint of the run folder, with its options; --resume=auto: "
+                "start, resume, or do nothing, by what the run folder holds and what is asked for")
+      ->check(CLI::IsMember({"auto", "true"}));
   command.add_flag("--overwrite", parsed->request.overwrite,
                    "replace the run that is there once the new one is complete");
   command.add_option("--stop-after", parsed->stop_after,
@@ -194,12 +225,17 @@ void add_train_command(CLI::App& app, Work& work) {
     work = [parsed] {
       if (parsed->view) require_view_server();
       TrainRequest& request = parsed->request;
+      const bool decides = parsed->resume == "auto";
+      request.resume = !decides && !parsed->resume.empty();
       request.stopwatch = running_stopwatch();
       if (!parsed->time_limit.empty()) request.time_limit = parse_duration(parsed->time_limit);
       const TrainArguments& arguments = parsed->arguments;
       set_thread_count(arguments.threads);
       check_output_apart(request.run, request.scene);
       PlannedOptions planned = resolve_options(arguments, request.scene);
+      request.made_for = asked_of_training(arguments.preset, arguments.ablation, planned,
+                                           key_of(file_stamps(request.scene)))
+                             .dump();
       request.options = std::move(planned.options);
       request.with_nodes = std::move(planned.with_nodes);
       request.preset = arguments.preset;
@@ -212,6 +248,7 @@ void add_train_command(CLI::App& app, Work& work) {
       const bool more_steps =
           arguments.given.size() == 1 && arguments.given.count("iterations") > 0;
       if (request.resume && more_steps) request.more_iterations = request.options.iterations;
+      if (request.resume) request.made_for = RunFolder{request.run}.made_for();
       // without a checkpoint the session refuses, which is the better advice
       if (request.resume && std::filesystem::exists(RunFolder{request.run}.checkpoint()) &&
           ((!arguments.given.empty() && !more_steps) || !arguments.config.empty() ||
@@ -222,7 +259,7 @@ void add_train_command(CLI::App& app, Work& work) {
       if (!request.resume) check_max_bytes(request.scene.string(), request.options.max_bytes);
       if (const std::string note = page_bytes_note(request.options.max_bytes); !note.empty())
         say(note);
-      return train_and_report(request, parsed->json, parsed->view);
+      return train_and_report(request, decides, parsed->json, parsed->view);
     };
   });
 }

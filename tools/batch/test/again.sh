@@ -41,7 +41,7 @@ before=$(finished)
 check "killed jobs are recorded" test -n "$(failures "$work/killed")"
 check "started again: done" run_batch "$work/killed"
 check "what was finished was not touched" same "" "$(comm -23 <(echo "$before") <(finished))"
-check "a training went on from its checkpoint" grep -qr -e --resume "$work/killed/logs/train"
+check "a training went on from its checkpoint" grep -qr '"initialisation":"checkpoint"' "$work/killed/runs"
 check "models are bit-equal to those of the uninterrupted batch" \
   same "$(models "$work/whole")" "$(models "$work/killed")"
 check "no failure is recorded" same "" "$(failures "$work/killed")"

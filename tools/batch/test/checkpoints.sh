@@ -1,7 +1,7 @@
 #!/bin/bash
-# What becomes of a checkpoint when a resumed training fails: it stays as it is whatever the exit code,
-# and is renamed where the program refuses it; it is never removed. The program is a script that ends as
-# it is told, so that every exit code has its turn; cli_test looks at which failure has which.
+# What becomes of a checkpoint when a training fails: it stays as it is whatever the exit code, and the
+# program is asked to decide again. The program is a script that ends as it is told, so that every exit
+# code has its turn; cli_test looks at what --resume=auto decides.
 set -euo pipefail
 batch_folder=$(dirname "$(cd "$(dirname "$0")" && pwd)")
 python3 -c 'import yaml' 2>/dev/null || { echo "skip  no python3-yaml" && exit 77; }
@@ -17,7 +17,9 @@ cat >"$work/program" <<PROGRAM
 #!/bin/sh
 echo "\$@" >>"$work/words"
 case " \$* " in
-  *" --resume "*) echo "tessera: told to end with \$(cat "$work/code")" >&2 && exit "\$(cat "$work/code")" ;;
+  *" --resume=auto "*) [ ! -e "$work/code" ] || {
+    echo "tessera: told to end with \$(cat "$work/code")" >&2 && exit "\$(cat "$work/code")"
+  } ;;
 esac
 echo '{"finished": true}'
 PROGRAM
@@ -38,15 +40,18 @@ ends_with() { # CODE
   train || code=$?
   [[ $code == "$1" ]] || { echo "exit code $code, expected $1" >&2 && cat "$work/err" >&2 && return 1; }
 }
+same_words() { [[ $(tail -n 1 "$work/words") == "$asked" ]]; }
 holds() { [[ $(cat "$run/$1") == "$2" ]]; }
 
 check "a training" ends_with 0
+asked=$(tail -n 1 "$work/words")
+check "the program decides on it" grep -q -e "--resume=auto --overwrite --preset fast" <<<"$asked"
 begin_with "hours of work"
 for code in 1 2 75 130 137; do
   echo "$code" >"$work/code"
   check "a resumed one ends with $code" ends_with "$code"
   check "its checkpoint stays" holds checkpoint.ckpt "hours of work"
-  check "nothing else is tried" grep -q -e --resume <(tail -n 1 "$work/words")
+  check "nothing else is tried" same_words
   rm -f "$work/failures"/*.json # the next start is no second attempt
 done
 
@@ -54,14 +59,3 @@ mv "$work/scenes/room/transforms.json" "$work/kept.json"
 check "a scene that is out of reach for a moment" ends_with 1
 check "costs no checkpoint" holds checkpoint.ckpt "hours of work"
 mv "$work/kept.json" "$work/scenes/room/transforms.json"
-
-echo 65 >"$work/code"
-check "a refused checkpoint: begun anew" ends_with 0
-check "it is set aside" holds checkpoint.refused "hours of work"
-check "and not in the way" test ! -e "$run/checkpoint.ckpt"
-check "the log tells where it is" grep -q "set aside: .*checkpoint.refused" "$work/logs/train/room.fast.seed-1.log"
-check "by a training from the beginning" grep -q -e --overwrite <(tail -n 1 "$work/words")
-begin_with "hours more"
-check "another one" ends_with 0
-check "has a name of its own" holds checkpoint.refused.2 "hours more"
-check "beside the first" holds checkpoint.refused "hours of work"

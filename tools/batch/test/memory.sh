@@ -35,7 +35,6 @@ try() { # FAULT
     "presets: [{name: quick, preset: fast, options: {iterations: 40, init_points: 500}}]"
   check "$1: done at the second attempt" run_batch "$work/$1"
   run=$work/$1/runs/room/quick/seed-1
-  log=$work/$1/logs/train/room.quick.seed-1.log
   mapfile -t asked < <(sed -n 's/^exec.*job\.py train.*--mem-mb \([0-9]*\)$/\1/p' "$work/$1.log")
   check "$1: two attempts, the second asked for more memory" \
     test "${#asked[@]}" -eq 2 -a "${asked[1]:-0}" -gt "${asked[0]:-0}"
@@ -47,8 +46,8 @@ for fault in memory killed; do
   try "$fault"
   check "$fault: half of $peak Gaussians" \
     same "$((peak / 2))" "$(value "$run/config.json" options peak_gaussians)"
-  check "$fault: begun anew" same "" "$(grep -e --resume "$log" || true)"
+  check "$fault: begun anew" same "" "$(grep '"initialisation":"checkpoint"' "$run/log.jsonl" || true)"
 done
 try other
 check "other: as many Gaussians" same "$peak" "$(value "$run/config.json" options peak_gaussians)"
-check "other: from its checkpoint" grep -q -e --resume "$log"
+check "other: from its checkpoint" grep -q '"initialisation":"checkpoint"' "$run/log.jsonl"

@@ -23,7 +23,7 @@ for signal in INT TERM HUP; do
   check "nothing lives on" wait_for 5 test -z "$(alive)"
   check "no report was waited for" test ! -e "$out/report"
   check "the same command ends it" batch "$out"
-  check "from its checkpoint" grep -q -e --resume "$out/logs/train/room.fast.seed-1.log"
+  check "from its checkpoint" grep -q '"initialisation":"checkpoint"' "$out/runs/room/fast/seed-1/log.jsonl"
   check "with the model of an undisturbed batch" same "$(models "$work/whole")" "$(models "$out")"
 done
 

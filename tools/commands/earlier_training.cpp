@@ -1,0 +1,75 @@
+// Reads config.json and the log of a run folder.
+#include "tools/commands/earlier_training.h"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+#include "ingest/files/atomic_file.h"
+#include "recon4d/options/train_options_json.h"
+#include "tools/live/stopped_training.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json asked_of_training(const std::string& preset, const std::string& ablation,
+                       const PlannedOptions& planned, const std::string& scene_key) {
+  json options = to_json(planned.options);
+  if (planned.with_nodes) options["with_nodes"] = to_json(*planned.with_nodes);
+  return {{"preset", preset},
+          {"ablation", ablation},
+          {"files of the scene", scene_key},
+          {"options", std::move(options)}};
+}
+
+json recorded_result(const RunFolder& run) {
+  json result;
+  std::istringstream lines(read_text_file(run.log()));
+  for (std::string line; std::getline(lines, line);) {
+    json event = json::parse(line, nullptr, false);
+    if (event.is_object() && event.value("event", "") == "end") result = std::move(event);
+  }
+  if (!result.is_object())
+    throw InputError(fmt::format("{}: has no result of a training; pass --overwrite to train anew",
+                                 run.log().string()));
+  result.erase("event");
+  return result;
+}
+
+RunRecord record_of(const RunFolder& run, const fs::path& scene) {
+  RunRecord record{fs::exists(run.checkpoint()), fs::exists(run.model()), is_complete(run), {}};
+  if (!run.exists()) return record;
+  const json config = json::parse(read_text_file(run.config()), nullptr, false);
+  if (!config.is_object()) return record;
+  record.request = json::parse(config.value("made_for", ""), nullptr, false);
+  if (!record.request.is_object()) {
+    record.request = nullptr;
+    const json options = config.value("asked_options", json());
+    if (options.is_object() && config.value("scene", "") == fs::absolute(scene).string())
+      record.request = {{"preset", config.value("preset", "")}, {"options", options}};
+  }
+  // a resumed training may have been given more steps than it was begun with
+  if (record.finished && record.request.is_object())
+    record.request["options"]["iterations"] = recorded_result(run).at("total_iterations");
+  return record;
+}
+
+InputError finished_run_error(const fs::path& folder, const std::vector<std::string>& changed) {
+  return InputError(fmt::format(
+      "{}: holds a finished run; {}; take another -o, or pass --overwrite to replace it",
+      folder.string(),
+      changed.empty() ? "what it was asked for is not known"
+                      : "changed: " + text_of_changes(changed)));
+}
+
+std::string text_of_aside(const fs::path& checkpoint, const std::vector<std::string>& changed,
+                          const fs::path& aside) {
+  return fmt::format("{}: is of an unfinished training of another request ({}); it is {} now",
+                     checkpoint.string(),
+                     changed.empty() ? "not known which" : "changed: " + text_of_changes(changed),
+                     aside.filename().string());
+}
+
+}  // namespace tessera

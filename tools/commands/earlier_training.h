@@ -1,0 +1,37 @@
+// What a run folder holds of an earlier training, as plan_run (run_record.h) asks, and its result.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "kernels/base/errors.h"
+#include "recon4d/options/presets.h"
+#include "tools/cli/run_record.h"
+#include "tools/session/run_folder.h"
+
+namespace tessera {
+
+/// What identifies a training: neither the device, nor where files lie, nor limits of a call.
+/// `scene_key`: of the content of the scene.
+nlohmann::json asked_of_training(const std::string& preset, const std::string& ablation,
+                                 const PlannedOptions& planned, const std::string& scene_key);
+
+/// Its request is that of config.json. Of a training by a version that did not record it, preset,
+/// ablation and options, where it was of this scene; null where it was of another.
+RunRecord record_of(const RunFolder& run, const std::filesystem::path& scene);
+
+/// A finished run would be replaced.
+InputError finished_run_error(const std::filesystem::path& folder,
+                              const std::vector<std::string>& changed);
+
+/// The warning where the checkpoint of an unfinished training makes room for another request.
+std::string text_of_aside(const std::filesystem::path& checkpoint,
+                          const std::vector<std::string>& changed,
+                          const std::filesystem::path& aside);
+
+/// What the training printed at its end: the last event of its log. Errors: InputError: the log is
+/// gone or damaged.
+nlohmann::json recorded_result(const RunFolder& run);
+
+}  // namespace tessera
