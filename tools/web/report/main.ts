@@ -1,6 +1,21 @@
-// The report of a run: reads the data that the program has written into the page.
+// The report of a run, or of several: reads the data that the program has written into the page.
 import "uplot/dist/uPlot.min.css";
 import "./report.css";
+import { comparisonPage } from "./comparison";
+import { readReport } from "./data";
+import { make } from "./elements";
+import { runPage } from "./run";
+import { dateWords } from "./words";
 
-const data = JSON.parse(document.getElementById("tessera-report")!.textContent!);
-document.getElementById("report")!.textContent = data === null ? "No report." : data.title;
+const report = readReport(document.getElementById("tessera-report")!.textContent ?? "");
+const main = document.getElementById("report")!;
+if (typeof report === "string") {
+  main.append(make("p", { class: "card", role: "alert" }, report));
+} else {
+  document.title = `Tessera: ${report.title}`;
+  const several = report.kind === "comparison" || report.runs.length > 1;
+  main.append(
+    ...(several ? comparisonPage(report) : runPage(report.runs[0], report.title)),
+    make("footer", {}, `Made by Tessera ${report.version}, ${dateWords(report.made)}.`),
+  );
+}

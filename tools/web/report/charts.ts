@@ -1,0 +1,90 @@
+// The charts of one run or of several, which share x, zoom and cursor.
+import { Chart, type ChartContent } from "./chart";
+import { extent, type Line, type XName } from "./curve_points";
+import type { CurveName, Run } from "./data";
+import { button, choice, make, section } from "./elements";
+import { decibels, fixed, shortNumber } from "./words";
+
+/** Okabe and Ito, without those that one of the two grounds hides. */
+export const COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"];
+
+const TITLES: Omit<ChartContent, "lines">[] = [
+  { name: "psnr", title: "PSNR [dB]", log: false, words: (value) => decibels(value) },
+  { name: "loss", title: "Loss", log: true, words: shortNumber },
+  { name: "gaussians", title: "Gaussians", log: false, words: shortNumber },
+  { name: "memory", title: "Peak memory [MB]", log: false, words: (value) => `${fixed(value, 0)} MB` },
+];
+const CURVES: [CurveName, string][][] = [
+  [["psnr_test", "test views"], ["psnr_validation", "validation views"]],
+  [["loss", "training loss"]],
+  [["static", "static"], ["dynamic", "dynamic"]],
+  [["memory", "peak of the device"]],
+];
+
+/** Several runs: a colour each, and the second curve of a chart dashed. */
+function linesOf(runs: Run[], curves: [CurveName, string][]): Line[] {
+  return runs.flatMap((run, r) =>
+    curves.flatMap(([name, words], c) => {
+      const raw = run.curves[name];
+      if (raw === undefined || raw.step.length === 0) return [];
+      const curve =
+        name === "memory" ? { ...raw, value: raw.value.map((bytes) => bytes / 1e6) } : raw;
+      const several = runs.length > 1;
+      return {
+        label: !several ? words : curves.length > 1 ? `${run.title}, ${words}` : run.title,
+        colour: COLOURS[(several ? r : c) % COLOURS.length],
+        dashed: several && c > 0,
+        curve,
+      };
+    }),
+  );
+}
+
+/** Draws all anew when the colours of the page change. */
+function followColours(charts: Chart[]): void {
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    for (const chart of charts) chart.redraw();
+  });
+}
+
+export function chartsSection(runs: Run[]): HTMLElement | null {
+  const charts = TITLES.map((title, i) => ({ ...title, lines: linesOf(runs, CURVES[i]) }))
+    .filter(({ lines }) => lines.length > 0)
+    .map((content) => new Chart(content, (low, high) => charts.forEach((c) => c.setRange(low, high))));
+  if (charts.length === 0) return null;
+  const lines = charts.flatMap((chart) => chart.content.lines);
+  const setX = (x: XName) => {
+    const ends = extent(lines, x);
+    for (const chart of charts) chart.setX(x, ends);
+  };
+  const hasSeconds = charts.every((chart) => {
+    const ends = extent(chart.content.lines, "seconds");
+    return ends !== null && ends[0] < ends[1];
+  });
+  setX("step");
+  followColours(charts);
+  return section(
+    "Training",
+    make(
+      "div",
+      { class: "bar" },
+      hasSeconds
+        ? choice("x axis", ["steps", "seconds"], (index) => setX(index === 1 ? "seconds" : "step"))
+        : null,
+      button("Whole range", () => charts.forEach((chart) => chart.reset())),
+      make("span", { class: "soft" }, "Drag or pinch to zoom; a double click shows the whole range."),
+    ),
+    runs.length > 1 ? runLegend(runs) : null,
+    make("div", { class: "charts" }, ...charts.map((chart) => chart.element)),
+  );
+}
+
+function runLegend(runs: Run[]): HTMLElement {
+  const entries = runs.map((run, r) => {
+    const key = make("i", { class: "key" });
+    key.style.setProperty("--key", COLOURS[r % COLOURS.length]);
+    return make("span", {}, key, run.title);
+  });
+  const dashed = make("span", { class: "soft" }, "dashed: validation views, dynamic Gaussians");
+  return make("div", { class: "legend all", role: "group", "aria-label": "runs" }, ...entries, dashed);
+}

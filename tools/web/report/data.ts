@@ -1,0 +1,117 @@
+// The data that the program writes into the page, and its check. Values that are unknown are null.
+export interface Report {
+  schema: 1;
+  kind: "run" | "comparison";
+  title: string;
+  version: string;
+  made: string; // ISO, UTC
+  runs: Run[];
+}
+
+export interface Run {
+  id: string;
+  title: string;
+  preset: string;
+  seed: number | null;
+  version: string;
+  command: string;
+  started: string;
+  host: string;
+  cpu: string;
+  device: string;
+  state: "done" | "unfinished";
+  split: "test" | "val" | "train" | "";
+  steps: number;
+  options: Record<string, unknown>; // of the training, all
+  scores: Scores;
+  worst: { frame_number: number; psnr: number } | null; // the timestep of lowest PSNR
+  objects: { name: string; psnr: number }[];
+  size: Sizes;
+  stages: { name: string; seconds: number }[];
+  seconds: { command: number | null; training: number | null };
+  curves: Record<CurveName, Curve>;
+  views: View[];
+  cameras: Camera[];
+  decisions: { step: number; text: string }[];
+  warnings: { stage: string; text: string }[];
+  files: { name: string; path: string; bytes: number | null }[]; // paths from the page's folder
+  image_note: string | null; // why there are no images
+}
+
+export type Scores = Record<
+  "psnr" | "psnr_dynamic" | "psnr_static" | "psnr_fit" | "ssim" | "lpips",
+  number | null
+>;
+
+export interface Sizes {
+  static: number;
+  dynamic: number;
+  model_bytes: number | null;
+  player_bytes: number | null;
+  peak_bytes: number | null;
+}
+
+export type CurveName =
+  | "psnr_test"
+  | "psnr_validation"
+  | "loss"
+  | "static"
+  | "dynamic"
+  | "memory"; // bytes
+
+export interface Curve {
+  step: number[];
+  seconds: (number | null)[]; // of training, at that step
+  value: number[];
+}
+
+export interface View {
+  name: string;
+  camera: string;
+  time: number;
+  psnr: number;
+  psnr_dynamic: number | null;
+  psnr_static: number | null;
+  role: "worst" | "median" | "best" | null;
+  strip: boolean; // whether it belongs to the strip of its camera
+  width: number;
+  height: number;
+  truth: string | null; // addresses of images, null where not rendered
+  result: string | null;
+  error: string | null;
+}
+
+export interface Camera {
+  name: string;
+  width: number;
+  height: number;
+  frames_per_second: number | null;
+  frames_in_file: number;
+  frames_kept: number;
+  pose_source: string;
+  pose_error_px: number | null;
+  clock_offset_s: number;
+  clock_offset_frames: number;
+  clock_source: string;
+  gain: number | null;
+  roll_degrees: number | null;
+  role: "test" | "train";
+  leave_out: boolean;
+  notes: string[]; // what is odd about it
+}
+
+/** The report that the text holds, or one line that says why there is none. */
+export function readReport(text: string): Report | string {
+  let data: { schema?: unknown; runs?: unknown } | null;
+  try {
+    data = JSON.parse(text);
+  } catch {
+    return "The data of this report cannot be read: it is not JSON.";
+  }
+  if (data === null || typeof data !== "object") return "This page has no report.";
+  if (typeof data.schema === "number" && data.schema > 1)
+    return `This report has schema ${data.schema}, and this page reads schema 1: make the page with a newer Tessera.`;
+  if (data.schema !== 1) return "The data of this report has no schema that this page reads.";
+  if (!Array.isArray(data.runs) || data.runs.length === 0) return "This report has no runs.";
+  return data as Report;
+}

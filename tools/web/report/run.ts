@@ -1,0 +1,93 @@
+// The page of one run: its sections, from the most important to the details.
+import { camerasSection } from "./cameras";
+import { chartsSection } from "./charts";
+import type { Run } from "./data";
+import {
+  decisionsCard, filesCard, machineCard, optionsTable, stagesCard, viewsTable, warningsSection,
+} from "./details";
+import { fileLink, make, section } from "./elements";
+import { makeViewer } from "./viewer";
+import {
+  dateWords, decibels, fixed, shortNumber, sizeWords, timeWords, viewsWords, wholeNumber,
+} from "./words";
+
+type Tile = [name: string, value: string, more: string];
+
+export function summaryOf(run: Run): string {
+  const parts = [`${wholeNumber(run.steps)} steps`];
+  if (run.preset !== "") parts.push(`preset ${run.preset}`);
+  if (run.started !== "") parts.push(`started ${dateWords(run.started)}`);
+  if (run.state === "unfinished") parts.push("unfinished");
+  return parts.join(", ");
+}
+
+function head(run: Run, title: string): HTMLElement {
+  const links = run.files.map((file, i) =>
+    fileLink(file.path, file.name, i === 0 ? { class: "first" } : {}),
+  );
+  return make("header", { class: "top" }, make("h1", {}, title),
+    make("p", { class: "soft" }, summaryOf(run)),
+    links.length > 0 ? make("nav", { class: "links", "aria-label": "files" }, ...links) : null);
+}
+
+/** Tiles whose value is known. */
+function tiles(run: Run): Tile[] {
+  const { scores, size, worst } = run;
+  const made: Tile[] = [];
+  const add = (name: string, known: number | null, value: string, more = "") => {
+    if (known !== null) made.push([name, value, more]);
+  };
+  const fit = scores.psnr_fit === null ? "" : `training views ${decibels(scores.psnr_fit)}`;
+  add("PSNR", scores.psnr, decibels(scores.psnr), fit);
+  const still = scores.psnr_static === null ? "" : `static pixels ${decibels(scores.psnr_static)}`;
+  add("Moving pixels", scores.psnr_dynamic, decibels(scores.psnr_dynamic), still);
+  add("SSIM", scores.ssim, fixed(scores.ssim, 4));
+  add("LPIPS", scores.lpips, fixed(scores.lpips, 4));
+  add("Lowest timestep", worst && worst.psnr, decibels(worst && worst.psnr),
+    worst === null ? "" : `frame ${wholeNumber(worst.frame_number)}`);
+  const objects = [...run.objects].sort((a, b) => a.psnr - b.psnr);
+  if (objects.length > 0)
+    made.push(["Lowest object", decibels(objects[0].psnr),
+      objects.map(({ name, psnr }) => `${name} ${fixed(psnr, 1)}`).join(", ")]);
+  const training = run.seconds.training;
+  add("Whole command", run.seconds.command, timeWords(run.seconds.command),
+    training === null ? "" : `training ${timeWords(training)}`);
+  add("4D file", size.player_bytes, sizeWords(size.player_bytes),
+    size.model_bytes === null ? "" : `model ${sizeWords(size.model_bytes)}`);
+  if (size.player_bytes === null) add("Model", size.model_bytes, sizeWords(size.model_bytes));
+  made.push(["Gaussians", shortNumber(size.static + size.dynamic),
+    `${shortNumber(size.static)} static + ${shortNumber(size.dynamic)} dynamic`]);
+  return made;
+}
+
+function scores(run: Run): HTMLElement {
+  const nodes = tiles(run).map(([name, value, more]) =>
+    make("div", {}, make("dt", {}, name), make("dd", {}, value),
+      more === "" ? null : make("dd", { class: "more" }, more)));
+  const count = run.views.length;
+  const note = count === 0 ? null : `Scores are means over ${count} ${viewsWords(run.split)}.`;
+  return make("div", {}, make("dl", { class: "scores" }, ...nodes),
+    note === null ? null : make("p", { class: "soft" }, note));
+}
+
+export function runPage(run: Run, title: string): Node[] {
+  const viewer = makeViewer([run]);
+  const noImages = run.image_note === null ? null
+    : section("Views", make("p", { class: "soft" }, run.image_note));
+  const decisions = decisionsCard(run);
+  const views = viewsTable(run, viewer && ((name) => viewer.select(name)));
+  const options = optionsTable(run);
+  const facts = [stagesCard(run), filesCard(run), machineCard(run)];
+  return [
+    head(run, title),
+    scores(run),
+    warningsSection([run]),
+    viewer?.element ?? noImages,
+    decisions && section("What the training decided", decisions),
+    chartsSection([run]),
+    camerasSection(run),
+    section("Run", make("div", { class: "pair" }, ...facts)),
+    views && section("All views", make("div", { class: "card" }, views)),
+    options && section("Options", make("div", { class: "card" }, options)),
+  ].filter((part) => part !== null);
+}
