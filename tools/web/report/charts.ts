@@ -12,7 +12,7 @@ const TITLES: Omit<ChartContent, "lines">[] = [
   { name: "psnr", title: "PSNR [dB]", log: false, words: (value) => decibels(value) },
   { name: "loss", title: "Loss", log: true, words: shortNumber },
   { name: "gaussians", title: "Gaussians", log: false, words: shortNumber },
-  { name: "memory", title: "Peak memory [MB]", log: false, words: (value) => `${fixed(value, 0)} MB` },
+  { name: "memory", title: "Memory [MB]", log: false, words: (value) => `${fixed(value, 0)} MB` },
 ];
 const CURVES: [CurveName, string][][] = [
   [["psnr_test", "test views"], ["psnr_validation", "validation views"]],
@@ -72,7 +72,7 @@ export function chartsSection(runs: Run[]): HTMLElement | null {
         ? choice("x axis", ["steps", "seconds"], (index) => setX(index === 1 ? "seconds" : "step"))
         : null,
       button("Whole range", () => charts.forEach((chart) => chart.reset())),
-      make("span", { class: "soft" }, "Drag or pinch to zoom; a double click shows the whole range."),
+      make("span", { class: "soft" }, "Drag or pinch to zoom; a double click shows all."),
     ),
     runs.length > 1 ? runLegend(runs) : null,
     make("div", { class: "charts" }, ...charts.map((chart) => chart.element)),

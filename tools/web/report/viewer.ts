@@ -69,13 +69,14 @@ export class Viewer {
   private sideChoice(side: 0 | 1): HTMLElement {
     const names = ["truth", ...this.runs.map((run) => run.title)];
     const options = names.map((name, i) => make("option", { value: i - 1 }, name));
-    const select = make("select", {}, ...options);
+    const name = side === 0 ? "left" : "right";
+    const select = make("select", { "aria-label": `${name} side` }, ...options);
     select.value = String(this.sides[side]);
     select.addEventListener("change", () => {
       this.sides[side] = Number(select.value);
       this.show(this.shot);
     });
-    return make("label", {}, side === 0 ? "left " : "right ", select);
+    return make("label", {}, `${name} `, select);
   }
 
   private makeDialog(): HTMLDialogElement {

@@ -1,0 +1,327 @@
+// The page of a report in Chromium, opened from the disk with made-up data: its charts, the viewer,
+// its tables, and the comparison of two runs.
+import assert from 'node:assert/strict';
+import {writeFileSync} from 'node:fs';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+
+import {launchBrowser, scratchFolder} from './harness.mjs';
+import {comparisonData, imageAddress, pageWith, reportData, runData} from './report_data.mjs';
+
+const folder = scratchFolder();
+const template = join(process.env.TESSERA_PLAYER_WORK, '..', 'report.html');
+const kWide = {width: 1280, height: 720};
+const kNarrow = {width: 390, height: 844};
+let browser;
+
+before(async () => {
+  browser = await launchBrowser();
+});
+after(() => browser?.close());
+
+/** Runs `check` on the page of the data; nothing may go wrong there or be asked for elsewhere. */
+async function onPage(data, viewport, check, more = {}) {
+  const file = join(folder, 'index.html');
+  writeFileSync(file, pageWith(template, data));
+  const page = await browser.newPage({viewport, ...more});
+  const wrong = [];
+  page.on('pageerror', (error) => wrong.push(String(error.stack)));
+  page.on('console', (message) => message.type() !== 'log' && wrong.push(message.text()));
+  page.on('request', (request) => {
+    if (!/^(file|data|blob):/.test(request.url())) wrong.push(request.url());
+  });
+  await page.goto(`file://${file}`);
+  await check(page);
+  assert.deepEqual(wrong, []);
+  await page.close();
+}
+
+async function boxOf(locator) {
+  await locator.scrollIntoViewIfNeeded();
+  return locator.boundingBox();
+}
+
+/** Points the mouse at a share of the width of a chart's area. */
+async function hover(page, chart, share) {
+  const box = await boxOf(page.locator('.u-over').nth(chart));
+  await page.mouse.move(box.x + share * box.width, box.y + box.height / 2, {steps: 2});
+}
+
+/** The step under the cursor of a chart. */
+async function stepAt(page, chart) {
+  const text = await page.locator('.chart .at').nth(chart).textContent();
+  const [, number, thousands] = /^(?:step|second) ([\d.,]+)(k?)$/.exec(text) ?? assert.fail(text);
+  return Number(number.replace(',', '')) * (thousands ? 1000 : 1);
+}
+
+function dividerPercent(page) {
+  return page.locator('.viewer [role=slider]').first().getAttribute('aria-valuenow').then(Number);
+}
+
+// Bug put back: tables that stay tables in narrow windows, without .wide around them; seen to fail at
+// 390 pixels.
+for (const [kind, data] of [['run', reportData()], ['comparison', comparisonData()]])
+  for (const colorScheme of ['light', 'dark'])
+    for (const viewport of [kWide, kNarrow])
+      test(`${kind}, ${colorScheme}, fits a window of ${viewport.width} pixels`, async () => {
+        await onPage(data, viewport, async (page) => {
+          await page.evaluate(() => {
+            for (const part of document.querySelectorAll('details')) part.open = true;
+          });
+          const width = await page.evaluate(() => document.documentElement.scrollWidth);
+          assert.equal(width, viewport.width);
+          assert.equal(await page.locator('.chart canvas').count(), 4);
+          assert.equal(await page.evaluate(
+              () => [...document.images].filter((i) => i.complete && i.naturalWidth === 0 &&
+                                                       i.hasAttribute('src')).length), 0);
+          for (const table of await page.locator('table').all())
+            assert.ok(await table.evaluate((node) => node.scrollWidth <= node.parentElement.clientWidth));
+        }, {colorScheme});
+      });
+
+// Bug put back: points without a value under the cursor are not skipped; seen to fail.
+test('all charts show their values under the cursor of one', async () => {
+  await onPage(reportData(), kWide, async (page) => {
+    const values = () => page.locator('.chart').first().locator('b').allTextContents();
+    assert.deepEqual(await values(), ['30.98 dB', '30.00 dB']);
+    await hover(page, 0, 0.4984); // step 15,000 of 100 to 30,000: validation alone
+    const [testViews, validation] = await values();
+    assert.equal(validation, '29.81 dB');
+    assert.ok(['30.45 dB', '30.63 dB'].includes(testViews), testViews);
+    for (const chart of [0, 1, 2, 3]) assert.equal(await stepAt(page, chart), 15000);
+    await page.mouse.move(5, 5, {steps: 2});
+    assert.deepEqual(await values(), ['30.98 dB', '30.00 dB']);
+  });
+});
+
+// Bug put back: charts without a shared cursor; seen to fail in the other chart.
+test('dragging zooms all charts, and a double click shows the whole range', async () => {
+  await onPage(reportData(), kWide, async (page) => {
+    const box = await boxOf(page.locator('.u-over').nth(0));
+    const y = box.y + box.height / 2;
+    await page.mouse.move(box.x + 0.25 * box.width, y);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 0.5 * box.width, y, {steps: 4});
+    await page.mouse.up();
+    for (const chart of [0, 1]) {
+      await hover(page, chart, 0.002);
+      const step = await stepAt(page, chart);
+      assert.ok(step > 6000 && step < 9000, `chart ${chart}: ${step}`);
+    }
+    const over = await boxOf(page.locator('.u-over').nth(0));
+    await page.mouse.dblclick(over.x + 0.5 * over.width, over.y + over.height / 2);
+    await hover(page, 1, 0.002);
+    assert.ok(await stepAt(page, 1) < 500);
+  });
+});
+
+// Bug put back: pinch() not called; seen to fail.
+test('two fingers zoom all charts', async () => {
+  await onPage(reportData(), kNarrow, async (page) => {
+    const box = await boxOf(page.locator('.u-over').nth(0));
+    const devices = await page.context().newCDPSession(page);
+    const touch = (type, ...shares) => devices.send('Input.dispatchTouchEvent', {
+      type, touchPoints: shares.map((share, id) => (
+          {x: box.x + share * box.width, y: box.y + box.height / 2, id})),
+    });
+    await touch('touchStart', 0.4, 0.6);
+    for (const apart of [0.25, 0.3, 0.35, 0.4]) await touch('touchMove', 0.5 - apart, 0.5 + apart);
+    await touch('touchEnd');
+    for (const chart of [0, 1]) {
+      await hover(page, chart, 0.01);
+      assert.ok(await stepAt(page, chart) > 9000, `chart ${chart}: ${await stepAt(page, chart)}`);
+    }
+    await page.getByRole('button', {name: 'Whole range'}).click();
+    await hover(page, 1, 0.01);
+    assert.ok(await stepAt(page, 1) < 1000);
+  }, {hasTouch: true});
+});
+
+// Bug put back: the columns stay those of steps; seen to fail. Bug put back: losses of 0 stay on the
+// logarithmic axis, as a line to its lower end; seen to fail.
+test('charts have other axes, and files of what they show', async () => {
+  const data = reportData();
+  await onPage(data, kWide, async (page) => {
+    const csv = async (chart) => {
+      const [download] = await Promise.all([
+        page.waitForEvent('download'), page.getByRole('button', {name: `CSV of ${chart}`}).click(),
+      ]);
+      const parts = [];
+      for await (const part of await download.createReadStream()) parts.push(part);
+      return Buffer.concat(parts).toString();
+    };
+    assert.equal((await csv('PSNR [dB]')).split('\n')[0], 'step,test views,validation views');
+    await page.getByRole('button', {name: 'seconds'}).click();
+    await hover(page, 1, 0.9999);
+    assert.equal(await stepAt(page, 1), 600);
+    assert.ok((await csv('PSNR [dB]')).startsWith('seconds,test views,validation views\n20,,'));
+    await hover(page, 1, (10 - 2) / 598); // step 500, whose loss is 0: that of a neighbour
+    const loss = page.locator('.chart').nth(1);
+    assert.ok(Number(await loss.locator('b').textContent()) > 0.1);
+    await loss.getByRole('button', {name: 'linear'}).click();
+    await hover(page, 1, (10 - 2) / 598);
+    assert.equal(await loss.locator('b').textContent(), '0');
+    const [image] = await Promise.all([
+      page.waitForEvent('download'), page.getByRole('button', {name: 'PNG of Loss'}).click(),
+    ]);
+    assert.equal(image.suggestedFilename(), 'loss.png');
+  }, {acceptDownloads: true});
+});
+
+// Bug put back: seconds are offered without regard to the curves; seen to fail.
+test('seconds are offered only where they are known', async () => {
+  const run = runData();
+  run.curves.loss.seconds.fill(null);
+  await onPage(reportData([run]), kWide, async (page) => {
+    assert.equal(await page.getByRole('button', {name: 'seconds'}).count(), 0);
+  });
+});
+
+// Bug put back: the viewer without pointermove and keydown; seen to fail.
+test('the dividing line follows mouse and keys', async () => {
+  await onPage(reportData(), kWide, async (page) => {
+    const box = await boxOf(page.locator('.viewer > .compare'));
+    const y = box.y + 0.3 * box.height;
+    await page.mouse.move(box.x + 0.6 * box.width, y);
+    await page.mouse.down();
+    assert.equal(await dividerPercent(page), 60);
+    await page.mouse.move(box.x + 0.25 * box.width, y, {steps: 3});
+    await page.mouse.up();
+    assert.equal(await dividerPercent(page), 25);
+    await page.mouse.move(box.x + 0.75 * box.width, y);
+    assert.equal(await dividerPercent(page), 25);
+    await page.keyboard.press('ArrowRight'); // the line has the focus
+    assert.equal(await dividerPercent(page), 27);
+    await page.keyboard.press('End');
+    assert.equal(await dividerPercent(page), 100);
+  });
+});
+
+// Bug put back: without touch-action the browser takes the touch to scroll; seen to fail.
+test('the dividing line follows a finger', async () => {
+  await onPage(reportData(), kNarrow, async (page) => {
+    const box = await boxOf(page.locator('.viewer > .compare'));
+    const devices = await page.context().newCDPSession(page);
+    const touch = (type, ...shares) => devices.send('Input.dispatchTouchEvent', {
+      type, touchPoints: shares.map((share) => (
+          {x: box.x + share * box.width, y: box.y + 0.3 * box.height})),
+    });
+    await touch('touchStart', 0.5);
+    for (const share of [0.55, 0.6, 0.7, 0.8]) await touch('touchMove', share);
+    await touch('touchEnd');
+    assert.equal(await dividerPercent(page), 80);
+  }, {hasTouch: true, isMobile: true});
+});
+
+// Bug put back: the error map's button changes its look alone; seen to fail.
+test('views are chosen by buttons, thumbnails and keys, and show their error', async () => {
+  const data = reportData();
+  const [run] = data.runs;
+  await onPage(data, kWide, async (page) => {
+    const shown = () => page.locator('.viewer > .compare img.right').getAttribute('src');
+    const errors = page.getByRole('button', {name: 'Error map'});
+    assert.equal(await shown(), run.views[0].result);
+    await errors.click();
+    assert.equal(await shown(), run.views[0].error);
+    assert.ok(await page.locator('.scale').isVisible());
+    await page.getByRole('button', {name: 'best', exact: true}).click();
+    assert.equal(await shown(), run.views[4].error);
+    await errors.click();
+    assert.equal(await shown(), run.views[4].result);
+    await page.getByRole('button', {name: 'cam01/frame_0002'}).first().click();
+    assert.equal(await shown(), run.views[8].result);
+    await page.keyboard.press('ArrowLeft');
+    await page.keyboard.press('ArrowLeft');
+    assert.equal(await shown(), run.views[6].result);
+    await page.getByRole('button', {name: 'Full size'}).focus();
+    await page.keyboard.press('Enter');
+    const full = page.locator('dialog .compare');
+    assert.equal((await full.boundingBox()).width, 320);
+    assert.equal(await full.locator('img.right').getAttribute('src'), run.views[6].result);
+    await page.keyboard.press('Escape');
+    assert.ok(!(await full.isVisible()));
+  });
+});
+
+// Bug put back: numbers compared as text; seen to fail.
+test('the table of views is sorted by keys', async () => {
+  const data = reportData();
+  data.runs[0].views[3].psnr = 9.5;
+  await onPage(data, kWide, async (page) => {
+    await page.locator('summary', {hasText: '12 test views'}).click();
+    const table = page.getByRole('table', {name: 'all views'});
+    const column = async (index) =>
+        (await table.locator(`tbody td:nth-child(${index})`).allTextContents()).map(Number);
+    await table.getByRole('button', {name: 'PSNR'}).focus();
+    await page.keyboard.press('Enter');
+    const up = await column(4);
+    assert.equal(up[0], 9.5);
+    assert.deepEqual(up, [...up].sort((a, b) => a - b));
+    await page.keyboard.press('Enter');
+    assert.deepEqual(await column(4), up.reverse());
+    assert.equal(await table.locator('th[aria-sort=descending]').count(), 1);
+    await table.getByRole('button', {name: 'moving'}).focus();
+    await page.keyboard.press('Space');
+    assert.ok((await column(5)).slice(-2).every(Number.isNaN)); // unknown values come last
+  });
+});
+
+// Bug put back: texts of warnings set as innerHTML; seen to fail.
+test('texts with tags are shown as text, and paths may have any letters', async () => {
+  const data = reportData();
+  await onPage(data, kWide, async (page) => {
+    const {stage, text} = data.runs[0].warnings[0];
+    assert.equal(await page.locator('.warnings li').textContent(), `${stage}: ${text}`);
+    assert.equal(await page.locator('h1').textContent(), data.title);
+    const first = page.locator('.links a').first();
+    assert.equal(await first.textContent(), 'Player');
+    assert.equal(await first.getAttribute('href'), 'player%201%23.html');
+  });
+});
+
+// Bug put back: views of runs paired by their place; seen to fail.
+test('a comparison pairs views by name', async () => {
+  const data = comparisonData();
+  const [one, two] = data.runs;
+  const name = 'cam00/frame_0003';
+  two.views.find((view) => view.name === name).result = imageAddress('#123456');
+  await onPage(data, kWide, async (page) => {
+    const shown = (side) => page.locator(`.viewer > .compare img.${side}`).getAttribute('src');
+    const of = (run, key) => run.views.find((view) => view.name === name)[key];
+    await page.getByRole('button', {name}).first().click();
+    assert.equal(await shown('left'), of(one, 'result'));
+    assert.equal(await shown('right'), imageAddress('#123456'));
+    await page.getByLabel('left side').selectOption('truth');
+    assert.equal(await shown('left'), of(one, 'truth'));
+    await page.getByLabel('right side').selectOption('one');
+    assert.equal(await shown('right'), of(one, 'result'));
+    const options = page.getByRole('table', {name: 'options that differ'});
+    assert.deepEqual(await options.locator('tbody tr').allTextContents(),
+                     ['motionnodespair', 'seed_points–5']);
+    assert.match(await page.getByRole('table', {name: 'scores'}).textContent(), /two.*31\.66 dB/);
+  });
+});
+
+// Bug put back: a schema of 2 is read as 1; seen to fail.
+test('what cannot be shown is said in one line', async () => {
+  for (const [data, words] of [[{schema: 2, runs: [{}]}, /schema 2/], [null, /no report/],
+                               [{schema: 1, runs: []}, /no runs/]])
+    await onPage(data, kWide, async (page) => {
+      assert.match(await page.getByRole('alert').textContent(), words);
+    });
+});
+
+// Bug put back: the section of cameras is drawn without regard to their number; seen to fail.
+test('what a run lacks is absent', async () => {
+  const run = runData();
+  const empty = {step: [], seconds: [], value: []};
+  Object.assign(run, {views: [], cameras: [], decisions: [], warnings: [], files: [], stages: [],
+                      objects: [], options: {}, worst: null, image_note: 'Rendered without images.'});
+  for (const name of Object.keys(run.curves)) run.curves[name] = empty;
+  for (const name of Object.keys(run.scores)) run.scores[name] = null;
+  await onPage(reportData([run]), kWide, async (page) => {
+    assert.deepEqual(await page.locator('h2').allTextContents(), ['Views', 'Run']);
+    assert.ok(await page.getByText('Rendered without images.').isVisible());
+    assert.ok(!/null|NaN|undefined/.test(await page.locator('main').textContent()));
+  });
+});
