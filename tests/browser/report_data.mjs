@@ -14,7 +14,8 @@ export function imageAddress(colour, place = 0.5, width = 320, height = 180) {
 
 /** `value` at each step. */
 function curve(steps, value, secondsPerStep = 0.02) {
-  return {step: steps, seconds: steps.map((step) => step * secondsPerStep), value: steps.map(value)};
+  const seconds = steps.map((step) => step * secondsPerStep);
+  return {step: steps, seconds, value: steps.map(value)};
 }
 
 function steps(count, interval) {
@@ -48,8 +49,8 @@ export function runData({title = 'Küche, 30 steps <b>', better = 0, options = {
   return {
     id: title, title, preset: 'default', seed: 7, version: '1.4.0', state: 'done', split: 'test',
     command: 'tessera run "Küche <1>" -o runs/kueche --preset default', host: 'zürich',
-    started: '2026-11-24T09:30:12Z', cpu: 'AMD EPYC 9554, 16 cores', device: 'NVIDIA H100 80GB HBM3',
-    steps: 30000,
+    started: '2026-11-24T09:30:12Z', cpu: 'AMD EPYC 9554, 16 cores',
+    device: 'NVIDIA H100 80GB HBM3', steps: 30000,
     options: {iterations: 30000, motion: 'nodes', learning_rate: 0.0016, crops: [1, 2], ...options},
     scores: {psnr: 30.456 + better, psnr_dynamic: 27.1 + better, psnr_static: 32.9 + better,
              psnr_fit: 33.2, ssim: 0.9312, lpips: 0.0874},

@@ -1,4 +1,5 @@
-// Bounds and ticks of logarithmic axes: 1, 2 and 5 of each power of ten, over many powers these alone.
+// Bounds and ticks of logarithmic axes: 1, 2 and 5 of each power of ten; over many powers, these
+// alone.
 const MANY_DECADES = 3;
 
 /** The ticks from the last below `low` to the first above `high`; both are positive. */

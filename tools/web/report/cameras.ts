@@ -5,9 +5,9 @@ import { table, type Column } from "./tables";
 import { fixed, UNKNOWN } from "./words";
 
 const CAPTION =
-  "frames: kept of those in the file; pose: mean reprojection error of COLMAP's points in pixels, " +
-  "or where the pose comes from; clock: seconds (frames) added, and what they come from; gain: " +
-  "brightness by the median camera's; roll: clockwise turn of the image.";
+  "frames: kept of those in the file; pose: mean reprojection error of COLMAP's points in " +
+  "pixels, or where the pose comes from; clock: seconds (frames) added, and what they come from; " +
+  "gain: brightness by the median camera's; roll: clockwise turn of the image.";
 
 function signed(value: number, digits: number): string {
   return (value < 0 ? "" : "+") + value.toFixed(digits);

@@ -1,8 +1,9 @@
 // One chart over steps or seconds, drawn by uPlot: its axes, zoom, and values under the cursor.
 import uPlot from "uplot";
 import { logarithmicRange, logarithmicTicks } from "./axes";
+import { chartImage } from "./chart_image";
 import { columns, csv, type Line, type XName } from "./curve_points";
-import { button, choice, make, save } from "./elements";
+import { button, choice, make, save, style } from "./elements";
 import { pinch } from "./pinch";
 import { shortNumber } from "./words";
 
@@ -18,15 +19,11 @@ const HEIGHT = 260;
 const FEW_POINTS = 40; // of a line, which shows each
 const DASHES = [6, 4];
 
-function style(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
-
 /** `zoom` is told the range of x that two fingers ask for. */
 export class Chart {
   readonly element: HTMLElement;
   private readonly place = make("div", { class: "plot" });
-  private readonly at = make("span", { class: "at" });
+  private readonly under = make("span", { class: "at" });
   private readonly values: HTMLElement[];
   private plot: uPlot | null = null;
   private x: XName = "step";
@@ -39,7 +36,8 @@ export class Chart {
   ) {
     this.log = content.log;
     this.values = content.lines.map(() => make("b"));
-    const scale = choice("y axis", ["linear", "log"], (index) => this.setLog(index === 1), +this.log);
+    const setLog = (index: number) => this.setLog(index === 1);
+    const scale = choice("y axis", ["linear", "log"], setLog, Number(this.log));
     this.element = make(
       "figure",
       { class: "card chart", "aria-label": content.title },
@@ -87,9 +85,10 @@ export class Chart {
     const entries = this.content.lines.map((line, i) => {
       const key = make("i", { class: line.dashed ? "key dashed" : "key" });
       key.style.setProperty("--key", line.colour);
-      return make("span", {}, key, `${line.label} `, this.values[i]);
+      const name = line.named ? `${line.label} ` : null;
+      return make("span", { title: line.label }, key, name, this.values[i]);
     });
-    return make("figcaption", { class: "legend" }, ...entries, this.at);
+    return make("figcaption", { class: "legend" }, ...entries, this.under);
   }
 
   private resize(): void {
@@ -165,8 +164,9 @@ export class Chart {
       const value = (under === null ? known[known.length - 1] : column[index]) ?? null;
       node.textContent = value === null ? "–" : this.content.words(value);
     });
-    const unit = this.x === "step" ? "step " : "second ";
-    this.at.textContent = under === null ? "last values" : unit + shortNumber(plot.data[0][under]);
+    const unit = this.x === "step" ? "step" : "second";
+    this.under.textContent =
+      under === null ? "last values" : `${unit} ${shortNumber(plot.data[0][under])}`;
   }
 
   private saveCsv(): void {
@@ -175,25 +175,10 @@ export class Chart {
   }
 
   private savePng(): void {
-    const drawn = this.plot!.ctx.canvas;
-    const scale = drawn.width / this.plot!.width;
-    const head = Math.round(48 * scale);
-    const canvas = make("canvas", { width: drawn.width, height: drawn.height + head });
-    const context = canvas.getContext("2d")!;
-    context.fillStyle = style("--card");
-    context.fillRect(0, 0, canvas.width, canvas.height);
-    context.drawImage(drawn, 0, head);
-    context.scale(scale, scale);
-    context.fillStyle = style("--ink");
-    context.font = "600 14px system-ui, sans-serif";
-    context.fillText(this.content.title, 8, 18);
-    context.font = "12px system-ui, sans-serif";
-    let left = 8;
-    for (const line of this.content.lines) {
-      context.fillStyle = line.colour;
-      context.fillText(line.label, left, 38);
-      left += context.measureText(line.label).width + 16;
-    }
-    canvas.toBlob((image) => image !== null && save(`${this.content.name}.png`, image));
+    const { name, title, lines } = this.content;
+    const { ctx, width } = this.plot!;
+    chartImage(title, lines, ctx.canvas, width).toBlob(
+      (image) => image !== null && save(`${name}.png`, image),
+    );
   }
 }

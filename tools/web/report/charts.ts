@@ -5,8 +5,10 @@ import type { CurveName, Run } from "./data";
 import { button, choice, make, section } from "./elements";
 import { decibels, fixed, shortNumber } from "./words";
 
-/** Okabe and Ito, without those that one of the two grounds hides. */
-export const COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"];
+/** Of Okabe and Ito, without those that a light or a dark ground hides; then grey and olive. */
+const COLOURS = [
+  "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8A8F99", "#999933",
+];
 
 const TITLES: Omit<ChartContent, "lines">[] = [
   { name: "psnr", title: "PSNR [dB]", log: false, words: (value) => decibels(value) },
@@ -34,6 +36,7 @@ function linesOf(runs: Run[], curves: [CurveName, string][]): Line[] {
         label: !several ? words : curves.length > 1 ? `${run.title}, ${words}` : run.title,
         colour: COLOURS[(several ? r : c) % COLOURS.length],
         dashed: several && c > 0,
+        named: !several,
         curve,
       };
     }),
@@ -48,9 +51,10 @@ function followColours(charts: Chart[]): void {
 }
 
 export function chartsSection(runs: Run[]): HTMLElement | null {
-  const charts = TITLES.map((title, i) => ({ ...title, lines: linesOf(runs, CURVES[i]) }))
+  const zoom = (low: number, high: number) => charts.forEach((chart) => chart.setRange(low, high));
+  const charts: Chart[] = TITLES.map((title, i) => ({ ...title, lines: linesOf(runs, CURVES[i]) }))
     .filter(({ lines }) => lines.length > 0)
-    .map((content) => new Chart(content, (low, high) => charts.forEach((c) => c.setRange(low, high))));
+    .map((content) => new Chart(content, zoom));
   if (charts.length === 0) return null;
   const lines = charts.flatMap((chart) => chart.content.lines);
   const setX = (x: XName) => {
@@ -86,5 +90,6 @@ function runLegend(runs: Run[]): HTMLElement {
     return make("span", {}, key, run.title);
   });
   const dashed = make("span", { class: "soft" }, "dashed: validation views, dynamic Gaussians");
-  return make("div", { class: "legend all", role: "group", "aria-label": "runs" }, ...entries, dashed);
+  const group = { class: "legend all", role: "group", "aria-label": "runs" };
+  return make("div", group, ...entries, dashed);
 }

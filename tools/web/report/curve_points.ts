@@ -7,6 +7,7 @@ export interface Line {
   label: string;
   colour: string;
   dashed: boolean;
+  named: boolean; // beside its value; otherwise a legend of all charts names it
   curve: Curve;
 }
 
@@ -16,8 +17,9 @@ export type Columns = [number[], ...(number | null)[][]];
 function points(curve: Curve, x: XName): Map<number, number> {
   const made = new Map<number, number>();
   curve.step.forEach((step, i) => {
-    const at = x === "step" ? step : curve.seconds[i];
-    if (typeof at === "number" && typeof curve.value[i] === "number") made.set(at, curve.value[i]);
+    const place = x === "step" ? step : curve.seconds[i];
+    const value = curve.value[i];
+    if (typeof place === "number" && typeof value === "number") made.set(place, value);
   });
   return made;
 }

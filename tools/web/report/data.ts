@@ -110,7 +110,10 @@ export function readReport(text: string): Report | string {
   }
   if (data === null || typeof data !== "object") return "This page has no report.";
   if (typeof data.schema === "number" && data.schema > 1)
-    return `This report has schema ${data.schema}, and this page reads schema 1: make the page with a newer Tessera.`;
+    return (
+      `This report has schema ${data.schema}, and this page reads schema 1: ` +
+      "make the page with a newer Tessera."
+    );
   if (data.schema !== 1) return "The data of this report has no schema that this page reads.";
   if (!Array.isArray(data.runs) || data.runs.length === 0) return "This report has no runs.";
   return data as Report;

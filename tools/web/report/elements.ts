@@ -67,7 +67,13 @@ export function details(summary: string, ...children: Child[]): HTMLDetailsEleme
 
 /** A file of the page's folder, whose path may have any letters. */
 export function fileLink(path: string, text: string, attributes: Record<string, Value> = {}) {
-  return make("a", { href: path.split("/").map(encodeURIComponent).join("/"), ...attributes }, text);
+  const href = path.split("/").map(encodeURIComponent).join("/");
+  return make("a", { href, ...attributes }, text);
+}
+
+/** A variable of the style, which differs between light and dark. */
+export function style(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
 
 /** Has the browser save a file. */

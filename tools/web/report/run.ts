@@ -11,6 +11,8 @@ import {
   dateWords, decibels, fixed, shortNumber, sizeWords, timeWords, viewsWords, wholeNumber,
 } from "./words";
 
+const MOST_OBJECTS = 3; // that a tile names
+
 type Tile = [name: string, value: string, more: string];
 
 export function summaryOf(run: Run): string {
@@ -30,6 +32,14 @@ function head(run: Run, title: string): HTMLElement {
     links.length > 0 ? make("nav", { class: "links", "aria-label": "files" }, ...links) : null);
 }
 
+function objectTile(objects: Run["objects"]): Tile {
+  const sorted = [...objects].sort((a, b) => a.psnr - b.psnr);
+  const named = sorted.slice(0, MOST_OBJECTS).map(({ name, psnr }) => `${name} ${fixed(psnr, 1)}`);
+  const others = sorted.length - named.length;
+  if (others > 0) named.push(`${others} more`);
+  return ["Lowest object", decibels(sorted[0].psnr), named.join(", ")];
+}
+
 /** Tiles whose value is known. */
 function tiles(run: Run): Tile[] {
   const { scores, size, worst } = run;
@@ -45,10 +55,7 @@ function tiles(run: Run): Tile[] {
   add("LPIPS", scores.lpips, fixed(scores.lpips, 4));
   add("Lowest timestep", worst && worst.psnr, decibels(worst && worst.psnr),
     worst === null ? "" : `frame ${wholeNumber(worst.frame_number)}`);
-  const objects = [...run.objects].sort((a, b) => a.psnr - b.psnr);
-  if (objects.length > 0)
-    made.push(["Lowest object", decibels(objects[0].psnr),
-      objects.map(({ name, psnr }) => `${name} ${fixed(psnr, 1)}`).join(", ")]);
+  if (run.objects.length > 0) made.push(objectTile(run.objects));
   const training = run.seconds.training;
   add("Whole command", run.seconds.command, timeWords(run.seconds.command),
     training === null ? "" : `training ${timeWords(training)}`);

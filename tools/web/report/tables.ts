@@ -29,7 +29,11 @@ export function table<Row>(
   const kind = (column: Column<Row>) => (column.number ? "number" : null);
   const lines = rows.map((row) => {
     const cells = columns.map((column) =>
-      make("td", { role: "cell", class: kind(column), "data-label": column.name }, column.cell(row)),
+      make(
+        "td",
+        { role: "cell", class: kind(column), "data-label": column.name },
+        column.cell(row),
+      ),
     );
     return { row, line: make("tr", { role: "row", class: mark(row) }, ...cells) };
   });

@@ -91,14 +91,14 @@ export class Viewer {
     return [...new Set(inStrips.map((shot) => shot.camera))].map((camera) => {
       const shots = inStrips.filter((shot) => shot.camera === camera);
       const nodes = shots.map((shot) => this.thumbnail(shot));
-      const strip = make("div", { class: "strip", role: "group", "aria-label": `over time, ${camera}` },
-        ...nodes);
+      const group = { class: "strip", role: "group", "aria-label": `over time, ${camera}` };
+      const strip = make("div", group, ...nodes);
       strip.addEventListener("keydown", (event) => {
         const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
-        const at = nodes.indexOf(document.activeElement as HTMLButtonElement);
-        if (step === 0 || at < 0) return;
+        const focused = nodes.indexOf(document.activeElement as HTMLButtonElement);
+        if (step === 0 || focused < 0) return;
         event.preventDefault();
-        const next = Math.min(nodes.length - 1, Math.max(0, at + step));
+        const next = Math.min(nodes.length - 1, Math.max(0, focused + step));
         nodes[next].focus();
         this.show(shots[next]);
       });
