@@ -11,7 +11,7 @@ export interface Line {
   curve: Curve;
 }
 
-export type Columns = [number[], ...(number | null)[][]];
+type Columns = [number[], ...(number | null)[][]];
 
 /** Value by x; points whose x is unknown are left out. */
 function points(curve: Curve, x: XName): Map<number, number> {

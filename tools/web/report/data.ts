@@ -43,7 +43,7 @@ export type Scores = Record<
   number | null
 >;
 
-export interface Sizes {
+interface Sizes {
   static: number;
   dynamic: number;
   model_bytes: number | null;

@@ -8,7 +8,7 @@ import { decibels, fixed } from "./words";
 const ROLES = ["worst", "median", "best"] as const;
 const TRUTH = -1; // as a side; others are indices of runs
 
-export class Viewer {
+class Viewer {
   readonly element: HTMLElement;
   private readonly shots: Shot[];
   private shot: Shot;
