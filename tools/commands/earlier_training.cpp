@@ -7,7 +7,6 @@
 
 #include "ingest/files/atomic_file.h"
 #include "recon4d/options/train_options_json.h"
-#include "tools/live/stopped_training.h"
 
 namespace tessera {
 
@@ -24,23 +23,36 @@ json asked_of_training(const std::string& preset, const std::string& ablation,
           {"options", std::move(options)}};
 }
 
-json recorded_result(const RunFolder& run) {
+namespace {
+
+/// What the last session of a training ended with; null where it was killed, or the log is gone.
+json last_result(const RunFolder& run) {
   json result;
+  if (!fs::exists(run.log())) return result;
   std::istringstream lines(read_text_file(run.log()));
   for (std::string line; std::getline(lines, line);) {
     json event = json::parse(line, nullptr, false);
-    if (event.is_object() && event.value("event", "") == "end") result = std::move(event);
+    if (!event.is_object()) continue;
+    const std::string name = event.value("event", "");
+    if (name == "start") result = nullptr;
+    if (name == "end") result = std::move(event);
   }
-  if (!result.is_object())
-    throw InputError(fmt::format("{}: has no result of a training; pass --overwrite to train anew",
-                                 run.log().string()));
+  return result;
+}
+
+}  // namespace
+
+json recorded_result(const RunFolder& run) {
+  json result = last_result(run);
   result.erase("event");
   return result;
 }
 
 RunRecord record_of(const RunFolder& run, const fs::path& scene) {
-  RunRecord record{fs::exists(run.checkpoint()), fs::exists(run.model()), is_complete(run), {}};
+  RunRecord record{fs::exists(run.checkpoint()), fs::exists(run.model()), false, {}};
   if (!run.exists()) return record;
+  const json result = last_result(run);
+  record.finished = record.has_model && result.is_object() && result.value("finished", false);
   const json config = json::parse(read_text_file(run.config()), nullptr, false);
   if (!config.is_object()) return record;
   record.request = json::parse(config.value("made_for", ""), nullptr, false);
@@ -52,7 +64,7 @@ RunRecord record_of(const RunFolder& run, const fs::path& scene) {
   }
   // a resumed training may have been given more steps than it was begun with
   if (record.finished && record.request.is_object())
-    record.request["options"]["iterations"] = recorded_result(run).at("total_iterations");
+    record.request["options"]["iterations"] = result.at("total_iterations");
   return record;
 }
 

@@ -30,8 +30,7 @@ std::string text_of_aside(const std::filesystem::path& checkpoint,
                           const std::vector<std::string>& changed,
                           const std::filesystem::path& aside);
 
-/// What the training printed at its end: the last event of its log. Errors: InputError: the log is
-/// gone or damaged.
+/// What the training of a finished record printed at its end: the last event of its log.
 nlohmann::json recorded_result(const RunFolder& run);
 
 }  // namespace tessera

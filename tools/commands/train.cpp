@@ -158,9 +158,9 @@ bool plan_training(TrainRequest& request, const fs::path& place) {
   request.resume = plan.action == RunAction::kResume;
   if (plan.action == RunAction::kDone) return false;
   if (plan.action == RunAction::kRefuse) throw finished_run_error(place, plan.changed);
-  if (plan.action != RunAction::kStart) return true;
+  if (plan.action == RunAction::kReplace) return true;
   request.overwrite = true;  // no finished run is there
-  if (!fs::exists(run.checkpoint())) return true;
+  if (request.resume || !fs::exists(run.checkpoint())) return true;
   const fs::path aside = run.set_checkpoint_aside();
   warn(text_of_aside(run.checkpoint(), plan.changed, aside));
   return true;
