@@ -1,6 +1,7 @@
-// The report of a run in Chromium, opened from the disk: it fits wide and narrow windows, loads
-// nothing from elsewhere, and its sliders and tables work.
+// The reports of real runs in Chromium, opened from the disk: what the program writes is what the
+// page shows. report_page.test.mjs has what can be done there.
 import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {after, before, test} from 'node:test';
 
@@ -8,10 +9,10 @@ import {launchBrowser, scratchFolder, tessera} from './harness.mjs';
 
 const folder = scratchFolder();
 const run = join(folder, 'run');
+const capture = join(folder, 'capture');
 let browser;
 
 before(async () => {
-  const capture = join(folder, 'capture');
   tessera('synth', 'object', '-o', capture, '--layout', 'dnerf', '--frames', 8,
           '--held-out-frames', 3, '--width', 64, '--height', 48);
   tessera('train', capture, '-o', run, '--backend', 'cpu', '--iterations', 30, '--motion', 'pair',
@@ -22,7 +23,7 @@ before(async () => {
 after(() => browser?.close());
 
 /** The page in a window of this size, and all that went wrong on it. */
-async function opened(width, height) {
+async function opened(report, width, height) {
   const page = await browser.newPage({viewport: {width, height}});
   const wrong = [];
   page.on('pageerror', (error) => wrong.push(String(error)));
@@ -30,53 +31,43 @@ async function opened(width, height) {
   page.on('request', (request) => {
     if (!/^(file|data):/.test(request.url())) wrong.push(request.url());
   });
-  await page.goto(`file://${run}/report/index.html`);
+  await page.goto(`file://${report}/index.html`);
   return {page, wrong};
 }
 
-// Bug put back: columns of charts that are never narrower than 28rem; seen to fail at 390 pixels.
+// Bugs put back: images relative to the page, though it has them inside; views of a run without their
+// images; seen to fail.
 for (const [width, height] of [[1280, 720], [390, 844]])
-  test(`fits a window of ${width} pixels and asks for nothing`, async () => {
-    const {page, wrong} = await opened(width, height);
+  test(`the report of a run shows its scores, views and curves, ${width} pixels wide`, async () => {
+    const {page, wrong} = await opened(`${run}/report`, width, height);
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
-    assert.equal(await page.locator('.charts svg').count(), 4);
+    const {runs: [{scores, views}]} =
+        JSON.parse(readFileSync(join(run, 'report', 'report.json'), 'utf8'));
+    const text = await page.locator('main').innerText();
+    assert.match(text, new RegExp(`PSNR\\s+${scores.psnr.toFixed(2)} dB`));
+    assert.equal(await page.locator('.u-over').count(), 4, 'charts');
+    assert.ok(await page.locator('img').count() >= 2 + views.length, 'the view and thumbnails');
     const broken = await page.evaluate(
-        () => [...document.images].filter((image) => !image.complete || image.naturalWidth === 0)
-                  .length);
+        () => [...document.images].filter((image) => image.src && !image.hidden &&
+                                          image.complete && image.naturalWidth === 0).length);
     assert.equal(broken, 0);
     assert.deepEqual(wrong, []);
     await page.close();
   });
 
-// Bug put back: the slider without its listener; seen to fail.
-test('the line between truth and result follows pointer and keys', async () => {
-  const {page, wrong} = await opened(1280, 720);
-  const compare = page.locator('.compare').first();
-  const place = () => compare.evaluate((element) => element.style.getPropertyValue('--at'));
-  await compare.scrollIntoViewIfNeeded();
-  const box = await compare.boundingBox();
-  await page.mouse.click(box.x + 0.25 * box.width, box.y + 0.5 * box.height);
-  assert.ok(Math.abs(parseFloat(await place()) - 25) < 1, await place());
-  await page.locator('.slider').first().focus();
-  await page.keyboard.press('End');
-  assert.equal(await place(), '100%');
+// Bug put back: the images of the first run in the place of those of the second; seen to fail.
+test('the report of two runs compares them', async () => {
+  tessera('train', capture, '-o', join(folder, 'other'), '--backend', 'cpu', '--iterations', 10,
+          '--motion', 'pair', '--seed', 7);
+  const out = join(folder, 'compared');
+  tessera('report', run, join(folder, 'other'), '-o', out);
+  const {page, wrong} = await opened(out, 1280, 720);
+  const text = await page.locator('main').innerText();
+  for (const part of ['run', 'other', 'seed', 'iterations']) assert.ok(text.includes(part), part);
+  const {runs} = JSON.parse(readFileSync(join(out, 'report.json'), 'utf8'));
+  assert.deepEqual(runs.map(({title}) => title), ['run', 'other']);
+  assert.equal(runs[0].views[0].truth, runs[1].views[0].truth, 'one file');
+  assert.notEqual(runs[0].views[0].result, runs[1].views[0].result);
   assert.deepEqual(wrong, []);
-  await page.close();
-});
-
-// Bug put back: numbers compared as text; seen to fail.
-test('the table of views is sorted by a click', async () => {
-  const {page} = await opened(1280, 720);
-  await page.evaluate(() => {
-    document.querySelector('details').open = true;
-    document.querySelector('tbody td.number + td.number').textContent = '9.5';
-  });
-  const column = () => page.locator('tbody tr td:nth-child(4)').allTextContents();
-  await page.locator('th', {hasText: 'PSNR'}).click();
-  const up = (await column()).map(Number);
-  assert.deepEqual(up, [...up].sort((a, b) => a - b));
-  assert.equal(up[0], 9.5);
-  await page.locator('th', {hasText: 'PSNR'}).click();
-  assert.equal((await column()).map(Number).at(-1), 9.5);
   await page.close();
 });

@@ -11,6 +11,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/terminal.h"
 #include "tools/report/write_run_report.h"
+#include "tools/web/web_page.h"
 
 namespace tessera {
 namespace {
@@ -19,14 +20,19 @@ namespace fs = std::filesystem;
 
 struct ReportArguments {
   ReportRequest batch;
+  std::vector<fs::path> folders;
   fs::path out;
   int threads = 0;
   bool json = false;
 };
 
-void report_of_run(const ReportArguments& arguments) {
+void report_of_runs(const ReportArguments& arguments) {
+  if (arguments.folders.size() > 1 && arguments.out.empty())
+    throw InputError("-o is missing: the folder for the report that compares these runs");
   const nlohmann::json report = write_run_report(
-      {arguments.batch.out, arguments.out, [&] { return make_backend(arguments.batch.backend); }});
+      {arguments.folders, arguments.out, [&] { return make_backend(arguments.batch.backend); }});
+  if (!carries_pages())
+    report_error("tessera: this build has no web pages: the report has data and images alone");
   print_result(arguments.json, report, report["page"].get<std::string>());
 }
 
@@ -44,27 +50,29 @@ void report_of_batch(const ReportArguments& arguments) {
 void add_report_command(CLI::App& app, Work& work) {
   const auto parsed = std::make_shared<ReportArguments>();
   CLI::App& command = *app.add_subcommand(
-      "report", "write the report of a run or of a batch: a page, its charts and its data");
+      "report", "write the report of a run, of several to compare, or of a batch: a page and data");
   command.option_defaults()->always_capture_default();
   command
-      .add_option("folder", parsed->batch.out,
-                  "output folder of `tessera run`, run folder, or folder of a batch")
+      .add_option("folder", parsed->folders,
+                  "output folders of `tessera run` or run folders, or the folder of one batch")
       ->required();
   command.add_option("-o,--out", parsed->out,
-                     "folder for the report of a run; default: report/ in it");
+                     "folder for the report of runs; default, of one run: report/ in it");
   command.add_option(
       "--pictures", parsed->batch.images,
       "batch: held-out views of each scene beside the truth (of each of more than 100 one); "
       "they are drawn once. 0: none");
   add_backend_options(command, parsed->batch.backend);
   command.add_option("--threads", parsed->threads, "CPU threads; 0: all");
-  command.add_flag("--json", parsed->json, "print what run.json or report.json holds");
+  command.add_flag("--json", parsed->json, "print what report.json holds");
   command.callback([parsed, &work] {
     work = [parsed] {
       set_thread_count(parsed->threads);
       if (parsed->batch.images < 0)
         throw InputError(fmt::format("--pictures is {}, expected 0 or more", parsed->batch.images));
-      is_run(parsed->batch.out) ? report_of_run(*parsed) : report_of_batch(*parsed);
+      parsed->batch.out = parsed->folders.front();
+      const bool of_runs = parsed->folders.size() > 1 || is_run(parsed->batch.out);
+      of_runs ? report_of_runs(*parsed) : report_of_batch(*parsed);
       return int(kExitDone);
     };
   });

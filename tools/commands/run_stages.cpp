@@ -118,7 +118,7 @@ class Runner {
                            ? ledger_.result("export")
                            : json{{"folder", frames().string()}, {"frames", 0}, {"bytes", 0}};
     if (carries_pages()) result["player"] = ledger_.result("player");
-    if (fs::exists(report_page())) result["report"] = report_page().string();
+    if (ledger_.is_finished(kReport.entry)) result["report"] = ledger_.result("report")["page"];
     result["model"] = run_.model().string();
     result["metrics"] = run_.metrics().string();
     result["scene"] = scene_.string();
@@ -322,14 +322,14 @@ class Runner {
                     });
   }
 
-  fs::path report_page() const { return root_ / "report" / "index.html"; }
+  fs::path report_file() const { return root_ / "report" / "report.json"; }
 
   /// A report that cannot be written is no reason to fail after hours of training.
   bool write_report() {
     const json inputs = of_training({{"export_frames", request_.export_frames}});
     try {
-      return do_stage(kReport, inputs, report_page(), [&] {
-        return std::optional(json{{"page", write_run_report({root_, {}, [&] {
+      return do_stage(kReport, inputs, report_file(), [&] {
+        return std::optional(json{{"page", write_run_report({{root_}, {}, [&] {
                                                                return make_backend(
                                                                    request_.training.backend);
                                                              }})["page"]}});

@@ -43,12 +43,6 @@ std::string type_of(std::string_view bytes) {
   return "";
 }
 
-void fill(std::string& page, std::string_view place, const std::string& html) {
-  const size_t position = page.find(place);
-  check(position != std::string::npos, "player page: a place of its head is missing");
-  page.replace(position, place.size(), html);
-}
-
 std::string meta(const char* attribute, const char* name, const std::string& content) {
   return fmt::format("\n    <meta {}=\"{}\" content=\"{}\" />", attribute, name,
                      html_text(content));
@@ -156,11 +150,11 @@ PageHead page_head(const ExportRequest& request, const GaussianModel& model) {
 }
 
 std::string with_head(std::string page, const PageHead& head, bool beside) {
-  fill(page, kPageTitle, head_tags(head, beside));
+  fill_place(page, kPageTitle, head_tags(head, beside));
   if (!head.poster.bytes.empty())
-    fill(page, kPlayerPoster,
-         fmt::format(R"(<img id="poster" alt="" src="{}" />)",
-                     data_address(head.poster.type.c_str(), head.poster.bytes)));
+    fill_place(page, kPlayerPoster,
+               fmt::format(R"(<img id="poster" alt="" src="{}" />)",
+                           data_address(head.poster.type.c_str(), head.poster.bytes)));
   return page;
 }
 

@@ -22,7 +22,7 @@
 #include "tools/live/live_folder.h"
 #include "tools/live/stopped_training.h"
 #include "tools/report/log_events.h"
-#include "tools/report/report_page.h"
+#include "tools/report/run_charts.h"
 
 namespace tessera {
 namespace {
@@ -132,17 +132,19 @@ std::string LiveWatch::charts() {
   const RunFolder run = this->run();
   const std::pair shown{fs::file_size(run.log(), absent), scores_.size()};
   if (absent || shown == charted_) return charts_;
-  RunReport report;
+  std::string preset;
+  RunCurves curves;
   try {
-    report.preset = text_at(run.read_config(), "preset");
-    report.curves = run_curves(log_events(read_text_file(run.log())));
+    preset = text_at(run.read_config(), "preset");
+    curves = run_curves(log_events(read_text_file(run.log())));
   } catch (const std::exception&) {  // the run is removed or replaced meanwhile
     return charts_;
   }
-  report.curves.psnr_test.clear();
-  for (const auto& [step, psnr] : scores_) report.curves.psnr_test.push_back({double(step), psnr});
+  curves.psnr_test.clear();
+  for (const auto& [step, psnr] : scores_) curves.psnr_test.push_back({step, 0, psnr});
   charts_.clear();
-  for (const auto& [name, svg] : run_charts(report)) charts_ += "<figure>" + svg + "</figure>\n";
+  for (const std::string& svg : run_charts(preset, curves))
+    charts_ += "<figure>" + svg + "</figure>\n";
   charted_ = shown;
   return charts_;
 }

@@ -52,17 +52,23 @@ std::vector<json> log_events(const std::string& log) {
 
 RunCurves run_curves(const std::vector<json>& events) {
   RunCurves curves;
+  double seconds = 0;
+  int64_t known_to = 0;  // steps whose seconds are in the sum
   for (const json& event : events) {
     const std::string name = text_at(event, "event");
-    const double step = double(count_at(event, "iteration"));
-    const auto add = [&](std::vector<ChartPoint>& curve, const json& object, const char* key) {
-      if (const auto value = number_at(object, key)) curve.push_back({step, *value});
+    const int64_t step = count_at(event, "iteration");
+    const auto add = [&](std::vector<CurvePoint>& curve, const json& object, const char* key) {
+      if (const auto value = number_at(object, key)) curve.push_back({step, seconds, *value});
     };
     if (name == "steps") {
+      seconds += number_at(event, "seconds_per_step").value_or(0) * double(step - known_to);
+      known_to = step;
       add(curves.loss, event, "loss");
       add(curves.num_static, event, "num_static");
       add(curves.num_dynamic, event, "num_dynamic");
       add(curves.bytes, event, "peak_device_bytes");
+    } else if (name == "decision") {
+      seconds += number_at(event, "decision_seconds").value_or(0);
     } else if (name == "validation") {
       add(curves.psnr_validation, event, "psnr");
     } else if (name == "evaluation") {
@@ -71,6 +77,24 @@ RunCurves run_curves(const std::vector<json>& events) {
     }
   }
   return curves;
+}
+
+json to_json(const RunCurves& curves) {
+  const auto columns = [](const std::vector<CurvePoint>& curve) {
+    json made = {{"step", json::array()}, {"seconds", json::array()}, {"value", json::array()}};
+    for (const CurvePoint& point : curve) {
+      made["step"].push_back(point.step);
+      made["seconds"].push_back(point.seconds);
+      made["value"].push_back(point.value);
+    }
+    return made;
+  };
+  return {{"psnr_test", columns(curves.psnr_test)},
+          {"psnr_validation", columns(curves.psnr_validation)},
+          {"loss", columns(curves.loss)},
+          {"static", columns(curves.num_static)},
+          {"dynamic", columns(curves.num_dynamic)},
+          {"memory", columns(curves.bytes)}};
 }
 
 }  // namespace tessera

@@ -6,9 +6,31 @@
 #include <string>
 #include <vector>
 
-#include "tools/report/run_report.h"
-
 namespace tessera {
+
+struct CurvePoint {
+  int64_t step = 0;
+  double seconds = 0;  // of steps and decisions until then; those of validation are not known
+  double value = 0;
+};
+
+/// Over steps, ascending. A training that was resumed from an earlier step has each step once.
+struct RunCurves {
+  std::vector<CurvePoint> psnr_test, psnr_validation;  // dB
+  std::vector<CurvePoint> loss;                        // mean over the steps of a line of the log
+  std::vector<CurvePoint> num_static, num_dynamic;     // Gaussians
+  std::vector<CurvePoint> bytes;                       // peak of the device's memory so far
+};
+
+/// {psnr_test, psnr_validation, loss, static, dynamic, memory}, each {step, seconds, value:
+/// arrays}.
+nlohmann::json to_json(const RunCurves& curves);
+
+/// Something that the training did by itself, as a sentence.
+struct RunDecision {
+  int64_t step = 0;
+  std::string text;
+};
 
 /// The events of a log in their order. A resumed training begins at the step of its checkpoint:
 /// what the log has of later steps from before it is left out, but for warnings. Lines that are no

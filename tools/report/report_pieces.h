@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <string>
 
-#include "tools/report/run_images.h"
-
 namespace tessera {
 
 /// "3.2 s", "4:05", "1:02:03": of seconds.
@@ -17,13 +15,6 @@ std::string size_words(int64_t bytes);
 std::string fact(const std::string& name, const std::string& value);
 /// The same with HTML as the value.
 std::string fact_html(const std::string& name, const std::string& html);
-
-/// A view with a slider between truth and result, its error map and its scores.
-std::string compared_view(const ShownView& view);
-/// The frames of one camera: truth, result and error of each below one another.
-std::string camera_strip(const CameraStrip& strip);
-/// The colours of the error maps with the numbers at their ends.
-std::string error_scale();
 
 /// A whole page. `title` is text and is escaped; `body` is HTML of the page's sections.
 std::string report_frame(const std::string& title, const std::string& body);

@@ -7,8 +7,10 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
@@ -35,16 +37,17 @@ struct Triple {
 class ImageMaker {
  public:
   ImageMaker(Backend& backend, const GaussianModel& model, const Scene& scene,
-             const RunReport& report, const fs::path& scratch)
-      : renderer_(backend, model), report_(report), scratch_(scratch / ".view.png") {
+             const std::vector<ScoredView>& views, const fs::path& scratch)
+      : renderer_(backend, model), views_(views), scratch_(scratch / ".view.png") {
     for (const Frame& frame : scene.frames) frames_[frame.name] = &frame;
   }
 
-  bool has(size_t view) const { return frames_.contains(report_.views[view].name); }
+  bool has(size_t view) const { return frames_.contains(views_[view].name); }
 
-  ShownView shown(size_t view, const std::string& title, int width) {
+  ShownView shown(size_t view, int width) {
     const Triple& images = triple(view);
-    ShownView shown{title, report_.views[view], {}, {}, {}, 0, 0};
+    ShownView shown;
+    shown.view = view;
     shown.truth = encoded(images.truth, width, shown);
     shown.result = encoded(images.result, width, shown);
     shown.error = encoded(images.error, width, shown);
@@ -55,7 +58,7 @@ class ImageMaker {
   const Triple& triple(size_t view) {
     const auto known = triples_.find(view);
     if (known != triples_.end()) return known->second;
-    const Frame& frame = *frames_.at(report_.views[view].name);
+    const Frame& frame = *frames_.at(views_[view].name);
     const RenderedImage image = renderer_.render({{frame.camera, frame.time}}).front();
     Triple made{frame.image, quantise(image.planar(), image.width, image.height), {}};
     made.error = error_map(made.result, made.truth, frame.mask.image());
@@ -75,7 +78,7 @@ class ImageMaker {
   }
 
   Renderer renderer_;
-  const RunReport& report_;
+  const std::vector<ScoredView>& views_;
   const fs::path scratch_;
   std::map<std::string, const Frame*> frames_;
   std::map<size_t, Triple> triples_;
@@ -88,29 +91,31 @@ size_t bytes_of(const std::vector<ShownView>& views) {
   return bytes;
 }
 
-size_t bytes_of(const std::vector<CameraStrip>& strips) {
-  size_t bytes = 0;
-  for (const CameraStrip& strip : strips) bytes += bytes_of(strip.views);
-  return bytes;
-}
-
 std::vector<ShownView> telling(ImageMaker& maker, const std::vector<ScoredView>& all, int width) {
   std::vector<ShownView> views;
-  for (const ChosenView& chosen : telling_views(all))
-    if (maker.has(chosen.view)) views.push_back(maker.shown(chosen.view, chosen.title, width));
+  for (const ChosenView& chosen : telling_views(all)) {
+    if (!maker.has(chosen.view)) continue;
+    views.push_back(maker.shown(chosen.view, width));
+    views.back().role = chosen.role;
+  }
   return views;
 }
 
-/// `most` frames of each camera.
-std::vector<CameraStrip> strips(ImageMaker& maker, const std::vector<ScoredView>& all,
-                                size_t most) {
-  std::vector<CameraStrip> made;
-  for (const CameraViews& camera : strip_views(all, most)) {
-    CameraStrip strip{camera.camera, {}};
-    for (const size_t view : camera.views)
-      if (maker.has(view)) strip.views.push_back(maker.shown(view, "", kStripWidth));
-    if (!strip.views.empty()) made.push_back(std::move(strip));
-  }
+/// Views of `strips` that are not in `telling`, which learns which of its own are.
+std::vector<ShownView> over_time(ImageMaker& maker, const std::vector<CameraViews>& strips,
+                                 std::vector<ShownView>& telling) {
+  std::vector<ShownView> made;
+  for (const CameraViews& camera : strips)
+    for (const size_t view : camera.views) {
+      const auto is_it = [&](const ShownView& shown) { return shown.view == view; };
+      const auto known = std::find_if(telling.begin(), telling.end(), is_it);
+      if (known != telling.end()) {
+        known->in_strip = true;
+      } else if (maker.has(view)) {
+        made.push_back(maker.shown(view, kStripWidth));
+        made.back().in_strip = true;
+      }
+    }
   return made;
 }
 
@@ -133,27 +138,29 @@ Colour colour_of(double error) {
 
 }  // namespace
 
-size_t RunImages::bytes() const {
-  return bytes_of(telling) + bytes_of(strips);
-}
-
-RunImages run_images(Backend& backend, const GaussianModel& model, const Scene& scene,
-                     const RunReport& report, const fs::path& scratch) {
-  ImageMaker maker(backend, model, scene, report, scratch);
-  RunImages images;
+std::vector<ShownView> run_images(Backend& backend, const GaussianModel& model, const Scene& scene,
+                                  const std::vector<ScoredView>& views, const fs::path& scratch) {
+  ImageMaker maker(backend, model, scene, views, scratch);
   int width = kFullWidth;
-  images.telling = telling(maker, report.views, width);
-  for (; bytes_of(images.telling) > kFullBytes && width > kSmallestFullWidth;
-       images.telling = telling(maker, report.views, width))
-    width = int(0.75 * std::min(width, images.telling.front().width));
-  const size_t cameras = std::max<size_t>(1, strip_views(report.views, 2).size());
+  std::vector<ShownView> shown = telling(maker, views, width);
+  for (; bytes_of(shown) > kFullBytes && width > kSmallestFullWidth;
+       shown = telling(maker, views, width))
+    width = int(0.75 * std::min(width, shown.front().width));
+  const size_t cameras = std::max<size_t>(1, strip_views(views, 2).size());
   size_t most = std::clamp<size_t>(kAllStripFrames / cameras, 2, kStripFrames);
-  images.strips = strips(maker, report.views, most);
-  for (; bytes_of(images.strips) > kStripBytes && most > 2;
-       images.strips = strips(maker, report.views, most))
-    most = std::max<size_t>(2, most * 2 / 3);
-  while (bytes_of(images.strips) > kStripBytes) images.strips.pop_back();
-  return images;
+  std::vector<CameraViews> strips = strip_views(views, most);
+  std::vector<ShownView> small;
+  while (true) {
+    for (ShownView& view : shown) view.in_strip = false;
+    small = over_time(maker, strips, shown);
+    if (bytes_of(small) <= kStripBytes || strips.empty()) break;
+    if (most > 2)
+      strips = strip_views(views, most = std::max<size_t>(2, most * 2 / 3));
+    else
+      strips.pop_back();
+  }
+  std::move(small.begin(), small.end(), std::back_inserter(shown));
+  return shown;
 }
 
 std::vector<CameraViews> strip_views(const std::vector<ScoredView>& views, size_t most) {
@@ -181,10 +188,9 @@ std::vector<ChosenView> telling_views(const std::vector<ScoredView>& views) {
   std::stable_sort(order.begin(), order.end(),
                    [&](size_t a, size_t b) { return views[a].psnr < views[b].psnr; });
   if (order.empty()) return {};
-  if (order.size() == 1) return {{"The only view", order.front()}};
-  std::vector<ChosenView> chosen = {{"Worst view", order.front()}};
-  if (order.size() > 2) chosen.push_back({"Median view", order[order.size() / 2]});
-  chosen.push_back({"Best view", order.back()});
+  std::vector<ChosenView> chosen = {{"worst", order.front()}};
+  if (order.size() > 2) chosen.push_back({"median", order[order.size() / 2]});
+  if (order.size() > 1) chosen.push_back({"best", order.back()});
   return chosen;
 }
 
@@ -203,13 +209,6 @@ Image8 error_map(const Image8& drawn, const Image8& truth, const Image8& mask) {
     std::copy(colour.begin(), colour.end(), map.data.begin() + std::ptrdiff_t(3 * pixel));
   }
   return map;
-}
-
-std::string error_scale_css() {
-  std::string stops;
-  for (const Colour& colour : kScale)
-    stops += fmt::format(", rgb({},{},{})", colour[0], colour[1], colour[2]);
-  return fmt::format("linear-gradient(to right{})", stops);
 }
 
 }  // namespace tessera

@@ -1,5 +1,4 @@
-// The images of a report: views of a model beside the truth and their error maps, encoded for a
-// page.
+// The images of a report: views of a model, the truth, and their error maps, encoded for a page.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -18,29 +17,20 @@ struct EncodedImage {
 };
 
 struct ShownView {
-  std::string title;  // "Worst view"; empty in a strip
-  ScoredView view;
+  size_t view = 0;        // index
+  std::string role;       // "worst", "median", "best"; "" of another
+  bool in_strip = false;  // among those of its camera that are shown over time
   EncodedImage truth, result, error;
   int width = 0, height = 0;  // pixels, of each image
 };
 
-struct CameraStrip {
-  std::string camera;
-  std::vector<ShownView> views;
-};
-
-struct RunImages {
-  std::vector<ShownView> telling;   // worst, median and best view
-  std::vector<CameraStrip> strips;  // by camera
-  size_t bytes() const;             // of all images
-};
-
-/// Renders the strip views and the telling views of report.views. `scene`: their frames with
-/// images, in the model's world and size; a view without a frame is left out. `scratch`: an
-/// existing folder for a temporary file. Stays within about 3.3 MB by smaller images and fewer
-/// frames. Errors: InputError or WriteError of the temporary file.
-RunImages run_images(Backend& backend, const GaussianModel& model, const Scene& scene,
-                     const RunReport& report, const std::filesystem::path& scratch);
+/// Renders the telling ones of `views`, large, and those over time of each camera, small; each
+/// once. `scene`: their frames with images, in the model's world and size; a view without a frame
+/// is left out. `scratch`: an existing folder for a temporary file. Stays within about 3.3 MB by
+/// smaller images and fewer frames. Errors: InputError or WriteError of the temporary file.
+std::vector<ShownView> run_images(Backend& backend, const GaussianModel& model, const Scene& scene,
+                                  const std::vector<ScoredView>& views,
+                                  const std::filesystem::path& scratch);
 
 /// Indices of `views` of one camera, ascending, at equal distances and with the first and last.
 struct CameraViews {
@@ -52,8 +42,8 @@ struct CameraViews {
 std::vector<CameraViews> strip_views(const std::vector<ScoredView>& views, size_t most);
 
 struct ChosenView {
-  std::string title;  // "Worst view"
-  size_t view = 0;    // index
+  std::string role;  // "worst"
+  size_t view = 0;   // index
 };
 
 /// The views of lowest, median and highest PSNR, each once.
@@ -66,8 +56,5 @@ constexpr int kLargestShownError = 32;
 /// kLargestShownError and above (pale yellow). Pixels that the mask of the frame ignores are grey;
 /// a mask without data uses all. Images are RGB and of one size.
 Image8 error_map(const Image8& drawn, const Image8& truth, const Image8& mask);
-
-/// The same scale as a gradient of CSS, from left to right.
-std::string error_scale_css();
 
 }  // namespace tessera

@@ -1,30 +1,41 @@
-// Reads the files of a run, renders its views, and writes the page with its charts.
+// Reads the files of a run, renders its views, and writes its data, images and page.
 #include "tools/report/write_run_report.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
 #include "recon4d/evaluation/evaluate.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"
-#include "tools/report/report_page.h"
+#include "tools/report/run_images.h"
+#include "tools/report/run_report.h"
+#include "tools/session/device_choice.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
+#include "tools/session/version.h"
 #include "tools/web/page_words.h"
+#include "tools/web/web_page.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+constexpr int kReportSchema = 1;
+constexpr size_t kMostRunsInside = 3;  // whose images are in the page, of up to 5 MB each
 
 /// Null where the file is missing or damaged: a report contains what is there.
 json json_if_sound(const fs::path& file) {
@@ -36,19 +47,18 @@ json json_if_sound(const fs::path& file) {
 /// Where the files of a run lie.
 struct RunPlaces {
   RunFolder run;
-  fs::path out;     // of `tessera run`; empty for a run folder alone
-  fs::path report;  // folder of the page
+  fs::path out;    // of `tessera run`; empty for a run folder alone
+  fs::path whole;  // the one of both that contains the other
   std::string title;
 
-  explicit RunPlaces(const RunReportRequest& request)
-      : run{run_folder_of(fs::absolute(request.run).lexically_normal() / "")} {
+  explicit RunPlaces(const fs::path& named)
+      : run{run_folder_of(fs::absolute(named).lexically_normal() / "")} {
     fs::path root = run.root;
     if (!root.has_filename()) root = root.parent_path();
     run.root = root;
     if (root.filename() == "run" && fs::exists(root.parent_path() / "stages.json"))
       out = root.parent_path();
-    const fs::path whole = out.empty() ? root : out;
-    report = request.out.empty() ? whole / "report" : fs::absolute(request.out).lexically_normal();
+    whole = out.empty() ? root : out;
     title = whole.filename().string();
   }
 
@@ -75,30 +85,139 @@ RenderedRun load_run(const RunPlaces& places, const RunReportRequest& request) {
   return {std::move(model), std::move(scene), request.backend()};
 }
 
-std::vector<ReportLink> links(const RunPlaces& places) {
-  std::vector<ReportLink> found;
+/// {name, path relative to the report, bytes (null of a folder's)}; the first is the one to open.
+json files_of(const RunPlaces& places, const fs::path& report) {
+  json files = json::array();
   const auto add = [&](const char* name, const fs::path& file) {
     std::error_code error;
     if (!fs::exists(file, error)) return;
-    const int64_t bytes = fs::is_regular_file(file) ? int64_t(fs::file_size(file)) : -1;
-    found.push_back({name, html_address(file.lexically_relative(places.report)), bytes});
+    files.push_back({{"name", name},
+                     {"path", file.lexically_relative(report).generic_string()},
+                     {"bytes", fs::is_regular_file(file) ? json(fs::file_size(file)) : json()}});
   };
   if (!places.out.empty()) add("Player", places.out / "player" / "index.html");
   add("Model", places.run.model());
   add("Scores", places.run.metrics());
   add("Log", places.run.log());
   add("Options", places.run.config());
-  if (places.out.empty()) return found;
+  if (places.out.empty()) return files;
   add("PLY frames", places.out / "frames" / "manifest.json");
   add("Stages", places.stages());
-  return found;
+  return files;
 }
 
-json sizes_of(const std::vector<ReportLink>& links) {
-  json sizes = json::object();
-  for (const ReportLink& link : links)
-    if (link.bytes >= 0) sizes[link.name] = link.bytes;
-  return sizes;
+json bytes_of(const json& files, const char* name) {
+  for (const json& file : files)
+    if (file["name"] == name) return file["bytes"];
+  return nullptr;
+}
+
+/// An image by its content: the same truth is one file in the reports of all runs.
+std::string file_name(const EncodedImage& image) {
+  Fnv1a hash;
+  hash.add(image.bytes);
+  return hash.hex() + (image.type == "image/png" ? ".png" : ".jpg");
+}
+
+/// Gives the views of a run their images: addresses by `address_of`.
+void add_images(json& run, const std::vector<ShownView>& shown,
+                const std::function<std::string(const EncodedImage&)>& address_of) {
+  for (json& view : run["views"])
+    view.update({{"role", nullptr},
+                 {"strip", false},
+                 {"width", 0},
+                 {"height", 0},
+                 {"truth", nullptr},
+                 {"result", nullptr},
+                 {"error", nullptr}});
+  for (const ShownView& image : shown) {
+    json& view = run["views"][image.view];
+    if (!image.role.empty()) view["role"] = image.role;
+    view["strip"] = image.in_strip;
+    view["width"] = image.width;
+    view["height"] = image.height;
+    view["truth"] = address_of(image.truth);
+    view["result"] = address_of(image.result);
+    view["error"] = address_of(image.error);
+  }
+}
+
+std::string text_of(const json& data, int indent) {
+  return data.dump(indent, ' ', false, json::error_handler_t::replace);
+}
+
+/// The page with its data in it, so that it is one file.
+std::string page_of(const json& report) {
+  std::string data = text_of(report, -1);
+  for (size_t i = data.find('<'); i != std::string::npos; i = data.find('<', i))
+    data.replace(i, 1, "\\u003c");  // what it has is text, not the end of its element
+  std::string page(report_page());
+  fill_place(page, kPageTitle,
+             "<title>Tessera: " + html_text(report["title"].get<std::string>()) + "</title>");
+  std::string element(kReportData);
+  fill_place(element, "null", data);
+  fill_place(page, kReportData, element);
+  return page;
+}
+
+/// A run with its images.
+struct ReportedRun {
+  json run;
+  std::vector<ShownView> images;
+};
+
+/// The images that the report names; those of earlier reports go.
+void write_images(const fs::path& folder, const std::vector<ReportedRun>& runs) {
+  std::set<std::string> names;
+  make_folder(folder);
+  for (const ReportedRun& run : runs)
+    for (const ShownView& view : run.images)
+      for (const EncodedImage* image : {&view.truth, &view.result, &view.error})
+        if (const std::string name = file_name(*image); names.insert(name).second)
+          write_text_file(folder / name, image->bytes);
+  std::error_code stays;  // an image too many is no error
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (!names.contains(entry.path().filename().string())) fs::remove(entry.path(), stays);
+}
+
+/// `report`: the folder that the files of the run are relative to.
+ReportedRun reported(const RunPlaces& places, const fs::path& report,
+                     const RunReportRequest& request) {
+  RunRecords records{
+      json_if_sound(places.run.config()), json_if_sound(places.run.metrics()), {}, {}};
+  if (!places.out.empty()) records.stages = json_if_sound(places.stages());
+  if (fs::exists(places.run.log())) records.log = read_text_file(places.run.log());
+  std::optional<RenderedRun> rendered;
+  json note;
+  try {
+    rendered = load_run(places, request);
+    if (records.metrics.is_null() && !rendered->scene.frames.empty())
+      records.metrics = to_json(evaluate(*rendered->backend, rendered->model, rendered->scene,
+                                         rendered->scene.frames.front().split, EvaluateOptions{}),
+                                rendered->model);
+  } catch (const InputError& error) {
+    note = error.what();
+  }
+  ReportedRun made{run_report(records), {}};
+  made.run["id"] = made.run["title"] = places.title;
+  made.run["image_note"] = note;
+  made.run["files"] = files_of(places, report);
+  made.run["size"]["model_bytes"] = bytes_of(made.run["files"], "Model");
+  made.run["size"]["player_bytes"] = bytes_of(made.run["files"], "Player");
+  if (rendered)
+    made.images = run_images(*rendered->backend, rendered->model, rendered->scene,
+                             scored_views(records.metrics), report);
+  return made;
+}
+
+/// Runs of one name are told apart by the folders that they lie in.
+void tell_apart(std::vector<ReportedRun>& runs, const std::vector<RunPlaces>& places) {
+  for (size_t i = 0; i < runs.size(); ++i) {
+    const auto same = [&](const RunPlaces& other) { return other.title == places[i].title; };
+    if (std::count_if(places.begin(), places.end(), same) > 1)
+      runs[i].run["id"] = runs[i].run["title"] =
+          (places[i].whole.parent_path().filename() / places[i].title).string();
+  }
 }
 
 }  // namespace
@@ -108,45 +227,47 @@ bool is_run(const fs::path& folder) {
 }
 
 json write_run_report(const RunReportRequest& request) {
-  if (!is_run(request.run))
-    throw InputError(
-        fmt::format("{}: is no run: it has no config.json; name the output folder of "
-                    "`tessera run` or a run folder",
-                    request.run.string()));
-  const RunPlaces places(request);
-  RunRecords records{
-      json_if_sound(places.run.config()), json_if_sound(places.run.metrics()), {}, {}};
-  if (!places.out.empty()) records.stages = json_if_sound(places.stages());
-  if (fs::exists(places.run.log())) records.log = read_text_file(places.run.log());
-  RunPage page;
-  std::optional<RenderedRun> rendered;
-  try {
-    rendered = load_run(places, request);
-    if (records.metrics.is_null() && !rendered->scene.frames.empty())
-      records.metrics = to_json(evaluate(*rendered->backend, rendered->model, rendered->scene,
-                                         rendered->scene.frames.front().split, EvaluateOptions{}),
-                                rendered->model);
-  } catch (const InputError& error) {
-    page.image_note = error.what();
+  std::vector<RunPlaces> places;
+  for (const fs::path& run : request.runs) {
+    if (!is_run(run))
+      throw InputError(
+          fmt::format("{}: is no run: it has no config.json; name the output folder of "
+                      "`tessera run` or a run folder",
+                      run.string()));
+    places.emplace_back(run);
   }
-  page.title = places.title;
-  page.report = run_report(records);
-  page.links = links(places);
-  make_folder(places.report);
-  if (rendered)
-    page.images = run_images(*rendered->backend, rendered->model, rendered->scene, page.report,
-                             places.report);
-  json data = to_json(page.report);
-  data["sizes"] = sizes_of(page.links);
-  constexpr auto kReplaceInvalid = json::error_handler_t::replace;
+  const bool compares = places.size() > 1;
+  const fs::path folder = request.out.empty() ? places.front().whole / "report"
+                                              : fs::absolute(request.out).lexically_normal();
+  make_folder(folder);
+  std::vector<ReportedRun> runs;
+  for (const RunPlaces& run : places) runs.push_back(reported(run, folder, request));
+  tell_apart(runs, places);
+  json report = {{"schema", kReportSchema},
+                 {"kind", compares ? "comparison" : "run"},
+                 {"title", compares ? "Comparison" : places.front().title},
+                 {"version", kVersionText},
+                 {"made", utc_time()},
+                 {"runs", json::array()}};
+  for (const ReportedRun& run : runs) report["runs"].push_back(run.run);
+  const auto place_images = [&](const std::function<std::string(const EncodedImage&)>& address) {
+    for (size_t i = 0; i < runs.size(); ++i) add_images(report["runs"][i], runs[i].images, address);
+  };
+  const auto beside = [](const EncodedImage& image) { return "images/" + file_name(image); };
+  const auto inside = [](const EncodedImage& image) {
+    return data_address(image.type.c_str(), image.bytes);
+  };
   std::vector<std::pair<fs::path, std::string>> files;
-  for (auto& [name, svg] : run_charts(page.report))
-    files.emplace_back(places.report / (name + ".svg"), std::move(svg));
-  files.emplace_back(places.report / "run.json", data.dump(1, ' ', false, kReplaceInvalid) + "\n");
-  files.emplace_back(places.report / "index.html", run_page(page));
+  if (carries_pages()) {
+    runs.size() <= kMostRunsInside ? place_images(inside) : place_images(beside);
+    files.emplace_back(folder / "index.html", page_of(report));
+  }
+  place_images(beside);
+  write_images(folder / "images", runs);
+  files.emplace_back(folder / "report.json", text_of(report, 1) + "\n");
   write_together(files);
-  data["page"] = (places.report / "index.html").string();
-  return data;
+  report["page"] = files.front().first.string();
+  return report;
 }
 
 }  // namespace tessera

@@ -1,6 +1,8 @@
 // Escapes of HTML and of addresses, and base64.
 #include "tools/web/page_words.h"
 
+#include "kernels/base/errors.h"
+
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -61,6 +63,12 @@ std::string base64(std::string_view bytes) {
 
 std::string data_address(const char* type, std::string_view bytes) {
   return fmt::format("data:{};base64,{}", type, base64(bytes));
+}
+
+void fill_place(std::string& page, std::string_view place, std::string_view html) {
+  const size_t position = page.find(place);
+  check(position != std::string::npos, "a web page lacks a place for what it shows");
+  page.replace(position, place.size(), html);
 }
 
 }  // namespace tessera

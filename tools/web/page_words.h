@@ -14,5 +14,7 @@ std::string html_address(const std::filesystem::path& path);
 std::string base64(std::string_view bytes);
 /// data:TYPE;base64,…
 std::string data_address(const char* type, std::string_view bytes);
+/// Puts `html` in the place of a text that the page has.
+void fill_place(std::string& page, std::string_view place, std::string_view html);
 
 }  // namespace tessera

@@ -1,11 +1,12 @@
 // `tessera report` on trained runs: charts, held-out views beside the truth, rendered once; files
-// beside the page; the report of one run. The text of pages is tested in batch_report_test.cpp and
-// report_page_test.cpp.
+// beside the page; the report of one run. The text of a batch's page is tested in
+// batch_report_test.cpp, the page of a run in tests/browser/.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/commands/cli_workspace.h"
+#include "tools/web/web_page.h"
 
 namespace tessera::testing {
 namespace {
@@ -57,32 +58,88 @@ TEST(CliReport, ShowsRunsAndKeepsTheirViews) {
   EXPECT_GT(fs::last_write_time(kept), drawn) << "another model";
 }
 
-// Bugs put back: the folder of the report in the current folder in place of the run's; a page whose
-// addresses begin in the current folder; a run without metrics.json has no scores; seen to fail.
-TEST(CliReport, OfOneRunIsAPageWithChartsAndViews) {
+// Bugs put back: the folder of the report in the current folder in place of the run's; addresses
+// that begin in the current folder; a run without metrics.json has no scores; images of earlier
+// reports stay; seen to fail.
+TEST(CliReport, OfOneRunIsDataImagesAndAPage) {
   const CliWorkspace work;
   ASSERT_EQ(work.train("run", {"--evaluate-every", "2"}).exit_code, 0);
   const json report = work.run_json({"report", work.at("run")});
-  EXPECT_EQ(report["page"], work.at("run/report/index.html"));
-  EXPECT_EQ(report["views"].size(), 1u);
-  EXPECT_GT(report["views"][0]["psnr"], 5);
-  EXPECT_EQ(report["preset"], json::parse(work.read("run/config.json"))["preset"]);
-  EXPECT_NE(report["command"].get<std::string>().find(" train "), std::string::npos);
-  EXPECT_GT(report["sizes"]["Model"], 0);
-  EXPECT_FALSE(report["curves"]["psnr_test"].empty());
-  for (const char* chart : {"psnr", "loss", "gaussians", "memory"})
-    EXPECT_TRUE(fs::exists(work / ("run/report/" + std::string(chart) + ".svg"))) << chart;
-  const std::string page = work.read("run/report/index.html");
-  EXPECT_EQ(count(page, "<img "), 6u) << "truth, result and error, large and in a strip";
-  EXPECT_EQ(count(page, "src=\"data:image/"), 6u);
-  EXPECT_NE(page.find("href=\"../model.ply\""), std::string::npos);
-  EXPECT_LT(page.size(), 5'000'000u);
+  EXPECT_EQ(report["page"],
+            work.at(carries_pages() ? "run/report/index.html" : "run/report/report.json"));
+  ASSERT_EQ(report["runs"].size(), 1u);
+  const json& run = report["runs"][0];
+  const json config = json::parse(work.read("run/config.json"));
+  EXPECT_EQ(run["preset"], config["preset"]);
+  EXPECT_EQ(run["options"], config["options"]);
+  EXPECT_EQ(run["state"], "done");
+  EXPECT_GT(run["scores"]["psnr"], 5);
+  EXPECT_NE(run["command"].get<std::string>().find(" train "), std::string::npos);
+  EXPECT_GT(run["size"]["model_bytes"], 0);
+  EXPECT_GT(run["seconds"]["training"], 0);
+  EXPECT_GT(run["seconds"]["command"], run["seconds"]["training"]);
+  EXPECT_FALSE(run["curves"]["psnr_test"]["step"].empty());
+  EXPECT_EQ(run["files"][0]["path"], "../model.ply");
+  ASSERT_EQ(run["views"].size(), 1u);
+  const json& view = run["views"][0];
+  EXPECT_GT(view["psnr"], 5);
+  EXPECT_EQ(view["role"], "worst");
+  EXPECT_EQ(view["strip"], true);
+  for (const char* image : {"truth", "result", "error"})
+    EXPECT_GT(fs::file_size(work / ("run/report/" + view[image].get<std::string>())), 100u);
+  json filed = json::parse(work.read("run/report/report.json"));
+  filed["page"] = report["page"];
+  EXPECT_EQ(filed, report);
+  if (carries_pages()) {
+    const std::string page = work.read("run/report/index.html");
+    EXPECT_EQ(count(page, "data:image/jpeg;base64,"), 3u);
+    EXPECT_LT(page.size(), 5'000'000u);
+  }
 
+  work.write("run/report/images/old.jpg", "of an earlier report");
   fs::rename(work / "capture", work / "moved");
   EXPECT_EQ(work.run({"report", work.at("run"), "-o", work.at("elsewhere")}).exit_code, 0);
-  const std::string without = work.read("elsewhere/index.html");
-  EXPECT_NE(without.find("The scene of this run is gone"), std::string::npos);
-  EXPECT_NE(without.find("href=\"../run/model.ply\""), std::string::npos);
+  const json without = json::parse(work.read("elsewhere/report.json"))["runs"][0];
+  EXPECT_NE(without["image_note"].get<std::string>().find("The scene of this run is gone"),
+            std::string::npos);
+  EXPECT_TRUE(without["views"].empty()) << "never scored";
+  EXPECT_EQ(without["files"][0]["path"], "../run/model.ply");
+  EXPECT_EQ(work.run({"report", work.at("run")}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(work / "run/report/images/old.jpg")) << "no report names it";
+}
+
+// Bug put back: the text of a warning ends the element of the data; seen to fail.
+TEST(CliReport, TextOfARunDoesNotEndItsPage) {
+  if (!carries_pages()) GTEST_SKIP() << "built without the pages";
+  const CliWorkspace work;
+  ASSERT_EQ(work.train("run").exit_code, 0);
+  work.write("run/log.jsonl", work.read("run/log.jsonl") +
+                                  R"({"event": "warning", "text": "</script><b>odd \u00fc"})"
+                                  "\n");
+  EXPECT_EQ(work.run({"report", work.at("run")}).exit_code, 0);
+  const std::string page = work.read("run/report/index.html");
+  EXPECT_EQ(count(page, "</script><b>odd"), 0u);
+  EXPECT_EQ(count(page, R"(\u003c/script>\u003cb>odd)"), 1u);
+}
+
+// Bugs put back: one folder without -o takes the report of both; runs of one name are not told
+// apart; seen to fail.
+TEST(CliReport, OfSeveralRunsComparesThem) {
+  const CliWorkspace work;
+  for (const char* run : {"a/seed", "b/seed"}) ASSERT_EQ(work.train(run).exit_code, 0);
+  const std::vector<std::string> both{"report", work.at("a/seed"), work.at("b/seed")};
+  work.expect_refused(both, {"-o is missing"});
+  EXPECT_FALSE(fs::exists(work / "a/seed/report"));
+  std::vector<std::string> named = both;
+  named.insert(named.end(), {"-o", work.at("both")});
+  const json report = work.run_json(named);
+  EXPECT_EQ(report["kind"], "comparison");
+  ASSERT_EQ(report["runs"].size(), 2u);
+  EXPECT_EQ(report["runs"][0]["title"], "a/seed");
+  EXPECT_EQ(report["runs"][1]["title"], "b/seed");
+  EXPECT_EQ(report["runs"][1]["files"][0]["path"], "../b/seed/model.ply");
+  work.expect_refused({"report", work.at("a/seed"), work.at("none"), "-o", work.at("both")},
+                      {"none: is no run"});
 }
 
 TEST(CliReport, OptionsOfTheOtherKindAreRefused) {

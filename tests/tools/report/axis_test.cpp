@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/report/report_pieces.h"
+
 namespace tessera {
 namespace {
 
@@ -67,6 +69,14 @@ TEST(ChartAxes, NumbersAreShort) {
   EXPECT_EQ(short_number(1005), "1,005");
   EXPECT_EQ(short_number(52'032), "52k");
   EXPECT_EQ(short_number(1'234'000), "1.23M");
+}
+
+TEST(ReportPieces, NumbersHaveUnits) {
+  EXPECT_EQ(time_words(3.21), "3.2 s");
+  EXPECT_EQ(time_words(241.4), "4:01 min");
+  EXPECT_EQ(time_words(3723), "1:02:03 h");
+  EXPECT_EQ(size_words(812), "812 B");
+  EXPECT_EQ(size_words(1'230'000), "1.2 MB");
 }
 
 }  // namespace
