@@ -208,8 +208,6 @@ int main(int count, char** words) {
     tessera::testing::carry_by_nodes(model, random);
     tessera::save_model(folder / "carried.ply", model);
     tessera::save_model(folder / "few_carried.ply", tessera::testing::few_of(model, 121));
-    tessera::testing::make_rigid(model);
-    tessera::save_model(folder / "rigid.ply", model);
     tessera::write_text_file(folder / "transforms.json", tessera::testing::cameras().dump(1));
   } catch (const std::exception& error) {
     std::fputs(fmt::format("fixture_model: {}\n", error.what()).c_str(), stderr);

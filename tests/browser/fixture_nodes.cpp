@@ -63,13 +63,4 @@ void carry_by_nodes(GaussianModel& model, Random& random) {
   }
 }
 
-void make_rigid(GaussianModel& model) {
-  const GaussianSpans<float> set = model.static_set.values();
-  for (int64_t n = 0; n < set.count; ++n) {
-    std::fill_n(set.at(kNode, n) + 1, kBindings - 1, -1.0f);
-    std::fill_n(set.at(kSh, n) + 3, set.width(kSh) - 3, 0.0f);
-  }
-  model.dynamic_set.resize(0);
-}
-
 }  // namespace tessera::testing

@@ -9,8 +9,4 @@ namespace tessera::testing {
 /// node and stays; the dynamic set is as before.
 void carry_by_nodes(GaussianModel& model, Random& random);
 
-/// Each of these Gaussians is carried by its first node alone, and shows one colour to all sides;
-/// no dynamic set: groups of one node are rigid.
-void make_rigid(GaussianModel& model);
-
 }  // namespace tessera::testing

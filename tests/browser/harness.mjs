@@ -24,7 +24,6 @@ export const fixture = {
   folder: named('TESSERA_FIXTURE'),
   model: join(named('TESSERA_FIXTURE'), 'model.ply'),
   carried: join(named('TESSERA_FIXTURE'), 'carried.ply'),
-  rigid: join(named('TESSERA_FIXTURE'), 'rigid.ply'),
   cameras: join(named('TESSERA_FIXTURE'), 'transforms.json'),
   fixed: 1000, moving: 1200, seconds: 3, width: 320, height: 240,
 };

@@ -12,7 +12,6 @@
 #include "recon4d/model/element_edits.h"
 #include "recon4d/model/model_file.h"
 #include "static3d/formats/frame_sequence.h"
-#include "static3d/formats/moving_glb.h"
 #include "static3d/formats/splatv.h"
 #include "static3d/tessera4d/tessera4d.h"
 #include "static3d/transform/world_change.h"
@@ -139,27 +138,6 @@ nlohmann::json write_splatv(const ExportRequest& request, GaussianModel& model) 
           {"never_drawn", report.never_drawn}};
 }
 
-/// model.glb; keyframes at --fps, else at the rate of the capture's cameras, else 30 a second.
-nlohmann::json write_moving_glb(const ExportRequest& request, GaussianModel& model) {
-  constexpr const char* kFile = "model.glb";
-  constexpr double kFps = 30;
-  double fps = request.times.fps.value_or(0);
-  if (!(fps > 0)) fps = rig_of("", request.model, model).fps;
-  OutputFolder folder(request.out, "export", {kFile}, request.overwrite);
-  const MovingGlbReport report = folder.written(
-      [&] { return save_moving_glb(folder.path(kFile), model, fps > 0 ? fps : kFps); });
-  folder.finish();
-  return {{"frames", 1},
-          {"bytes", report.bytes},
-          {"gaussians", report.gaussians},
-          {"groups", report.groups},
-          {"keyframes", report.keys},
-          {"rms_motion_error", report.rms_motion_error},
-          {"rms_velocity_error", report.rms_velocity_error},
-          {"non_finite", report.non_finite},
-          {"never_drawn", report.never_drawn}};
-}
-
 /// One static Gaussian without bands, in the source's world of a scene and on its clock.
 GaussianModel least_model(const std::string& path) {
   SceneOptions options;
@@ -210,8 +188,6 @@ const std::vector<TimeFormat>& time_formats() {
       {"html", "player and model in one .html that opens by itself", write_html},
       {"splatv", "one .splatv without view-dependent colour; splaTV, gsplat.js", write_splatv,
        false, false},
-      {"moving-glb", "one .glb: KHR_gaussian_splatting under animated nodes; glTF engines",
-       write_moving_glb, false, false},
       {"model", "one 4D .ply, bit for bit as trained", write_model, false, true, true},
   };
   return rows;
