@@ -45,15 +45,15 @@ void check_options(const ExportRequest& request, const TimeFormat* in_time) {
       {"--frames", times.frames.has_value(), in_time == nullptr, "frames (ply, spz, …)"},
       {"--time", times.time.has_value(), in_time == nullptr, "frames (ply, spz, …)"},
       {"--range", !times.range.empty(), in_time == nullptr, "frames (ply, spz, …)"},
-      {"--fps", times.fps.has_value(), in_time == nullptr || tessera4d, "all but splatv and model"},
+      {"--fps", times.fps.has_value(), in_time == nullptr || tessera4d, "all but model"},
       {"--page", request.page, in_time == nullptr, "frames; --format page has it already"},
       {"--spz-version", request.spz_version != 3, request.format == "spz", "spz"},
       {"--single", request.single, request.format == "tessera", "tessera"},
       {"--lossless", request.lossless, tessera4d, "tessera, page and html"},
       {"--segment", request.segment_seconds != 1, tessera4d, "tessera, page and html"},
       {"--cameras", !request.cameras.empty(),
-       tessera4d || request.page || request.format == "splatv" || request.clean.value_or(false),
-       "tessera, page, html, splatv, and frames with --page or --clean"},
+       tessera4d || request.page || request.clean.value_or(false),
+       "tessera, page, html, and frames with --page or --clean"},
       {"--title", !request.title.empty(), has_page, "pages: page, html and frames with --page"},
       {"--description", !request.description.empty(), has_page,
        "pages: page, html and frames with --page"},
@@ -82,7 +82,7 @@ bool colours_follow_time(const GaussianModel& model) {
 }
 
 void warn_of_losses(const ModelInput& input, const TimeFormat* in_time) {
-  if (!(in_time != nullptr && in_time->keeps_rules) && !drawn_as_players_do(input.model))
+  if (in_time == nullptr && !drawn_as_players_do(input.model))
     warn(
         fmt::format("{}: was trained with another filter or truncation than players of 3DGS files "
                     "have; its frames look different there; --format tessera keeps them",
@@ -201,7 +201,7 @@ void add_export_command(CLI::App& app, Work& work) {
   command->add_option("--segment", request->segment_seconds, "Tessera 4D: seconds of a segment");
   command->add_option(
       "--cameras", request->cameras,
-      "Tessera 4D, splatv, --page, --clean: scene folder or transforms file whose cameras players "
+      "Tessera 4D, --page, --clean: scene folder or transforms file whose cameras players "
       "offer; default: of the scene that the run was trained on");
   command->add_option("--audio", request->audio, "Tessera 4D: sound, which becomes the clock");
   command->add_option("--title", request->title, "pages: title");

@@ -12,7 +12,6 @@
 #include "recon4d/model/element_edits.h"
 #include "recon4d/model/model_file.h"
 #include "static3d/formats/frame_sequence.h"
-#include "static3d/formats/splatv.h"
 #include "static3d/tessera4d/tessera4d.h"
 #include "static3d/transform/world_change.h"
 #include "tools/camera_paths/camera_views.h"
@@ -121,23 +120,6 @@ json write_model(const ExportRequest& request, GaussianModel& model) {
       {"frames", 1}, {"bytes", bytes}, {"max_gaussians", model.count()}, {"non_finite", dropped}};
 }
 
-/// model.splatv with the cameras of the rig, or one in front of the scene. A row's `write` of
-/// time_formats().
-nlohmann::json write_splatv(const ExportRequest& request, GaussianModel& model) {
-  constexpr const char* kFile = "model.splatv";
-  std::vector<PlayerCamera> cameras = rig_of(request.cameras, request.model, model).cameras;
-  if (cameras.empty()) cameras.push_back(splatv_camera(model));
-  OutputFolder folder(request.out, "export", {kFile}, request.overwrite);
-  const SplatvReport report =
-      folder.written([&] { return save_splatv(folder.path(kFile), model, cameras); });
-  folder.finish();
-  return {{"frames", 1},
-          {"bytes", report.bytes},
-          {"max_gaussians", report.gaussians},
-          {"non_finite", report.non_finite},
-          {"never_drawn", report.never_drawn}};
-}
-
 /// One static Gaussian without bands, in the source's world of a scene and on its clock.
 GaussianModel least_model(const std::string& path) {
   SceneOptions options;
@@ -186,9 +168,7 @@ const std::vector<TimeFormat>& time_formats() {
        write_tessera},
       {"page", "the same with the web player, for a web server", write_page},
       {"html", "player and model in one .html that opens by itself", write_html},
-      {"splatv", "one .splatv without view-dependent colour; splaTV, gsplat.js", write_splatv,
-       false, false},
-      {"model", "one 4D .ply, bit for bit as trained", write_model, false, true, true},
+      {"model", "one 4D .ply, bit for bit as trained", write_model, false, true},
   };
   return rows;
 }

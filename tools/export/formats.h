@@ -35,7 +35,6 @@ struct TimeFormat {
   /// Writes the folder; `frames` (files), `bytes` and counters.
   nlohmann::json (*write)(const ExportRequest&, GaussianModel&);
   bool is_tessera4d = true;  // takes --lossless, --segment, --cameras, --audio, --fps
-  bool keeps_rules = true;   // filter and truncation stay as trained
   bool keeps_environment = false;
 };
 const std::vector<TimeFormat>& time_formats();

@@ -183,8 +183,8 @@ TEST_F(CliFullDisk, Render) {
 
 TEST_F(CliFullDisk, Export) {
   train_two();
-  std::vector<Words> formats{{"ply"},     {"compressed"},          {"spz"},    {"splat"}, {"glb"},
-                             {"tessera"}, {"tessera", "--single"}, {"splatv"}, {"model"}};
+  std::vector<Words> formats{{"ply"},     {"compressed"},          {"spz"},  {"splat"}, {"glb"},
+                             {"tessera"}, {"tessera", "--single"}, {"model"}};
   if (carries_pages()) formats.insert(formats.end(), {{"page"}, {"html"}, {"ply", "--page"}});
   for (const Words& format : formats) {
     std::string name = "export";

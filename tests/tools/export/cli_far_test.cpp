@@ -29,7 +29,7 @@ void write_far(const CliWorkspace& work, float far, float shift) {
 TEST(CliFar, LeftOutIsCountedInOneLineAndNothingIsSaidOfTime) {
   const CliWorkspace work;
   write_far(work, 5e4f, 0);
-  for (const char* format : {"ply", "compressed", "spz", "tessera", "splatv", "splat", "glb"}) {
+  for (const char* format : {"ply", "compressed", "spz", "tessera", "splat", "glb"}) {
     SCOPED_TRACE(format);
     const std::string out = work.at(fmt::format("out_{}", format));
     const ChildResult run =
