@@ -39,8 +39,8 @@ SHOWN_LINES, SHOWN_CHARACTERS = 8, 300
 # Keys of JSON whose values are measured, or name the build.
 UNSTABLE = {"seconds", "commit", "version", "at"}
 PROGRESS = re.compile(r"^(ingest|doctor) .*( left |\(\d+ %\)|\d+:\d\d|colmap: ).*\n?", re.MULTILINE)
-# "in 6.8 s", and the column of seconds in the table of several captures
-SECONDS = re.compile(r"\bin \d+\.\d+ s\b|, \d+\.\d+ s$| +\d+\.\d+(?=  (done|failed))", re.MULTILINE)
+# "in 6.8 s"
+SECONDS = re.compile(r"\bin \d+\.\d+ s\b|, \d+\.\d+ s$", re.MULTILINE)
 TEMPORARY = re.compile(r"\btessera_([a-z]+)_\w{6}\b")
 
 

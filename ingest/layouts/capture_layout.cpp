@@ -98,7 +98,7 @@ bool has_video_rig(const fs::path& capture) {
   if (found.evidence != RigEvidence::kUnclear) return found.evidence == RigEvidence::kRig;
   throw AmbiguousCapture(fmt::format(
       "{}: has {}: one scene filmed by {} cameras, or a capture in each folder; pass --layout rig "
-      "for the former, --batch for the latter",
+      "for the former, name one of the folders for the latter",
       capture.string(), found.seen, found.cameras.size()));
 }
 
@@ -212,19 +212,6 @@ std::vector<ImageSequence> sequences_of(const fs::path& capture,
   return std::move(found.cameras);
 }
 
-bool is_capture(const fs::path& folder, std::optional<ImageLayout> image_layout) {
-  try {
-    detect_layout(folder, image_layout);
-    return true;
-  } catch (const AmbiguousCapture&) {
-    return true;
-  } catch (const InputError&) {
-    return false;
-  } catch (const fs::filesystem_error&) {
-    return false;
-  }
-}
-
 std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {
   std::error_code reason;
   std::vector<fs::path> found;
@@ -245,6 +232,25 @@ std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {
   std::sort(found.begin(), found.end());
   return found;
 }
+
+namespace {
+
+/// Whether `folder` is read as a capture, or could be with a statement of how. What cannot be read
+/// is none.
+bool is_capture(const fs::path& folder, std::optional<ImageLayout> image_layout) {
+  try {
+    detect_layout(folder, image_layout);
+    return true;
+  } catch (const AmbiguousCapture&) {
+    return true;
+  } catch (const InputError&) {
+    return false;
+  } catch (const fs::filesystem_error&) {
+    return false;
+  }
+}
+
+}  // namespace
 
 std::vector<std::string> captures_in(const fs::path& folder,
                                      std::optional<ImageLayout> image_layout) {

@@ -41,11 +41,6 @@ bool has_images(const std::filesystem::path& capture);
 std::vector<ImageSequence> sequences_of(const std::filesystem::path& capture,
                                         std::optional<ImageLayout> image_layout);
 
-/// Whether `folder` is read as a capture, or could be with a statement of how. Errors: none: what
-/// cannot be read is no capture.
-bool is_capture(const std::filesystem::path& folder,
-                std::optional<ImageLayout> image_layout = std::nullopt);
-
 /// Subfolders and links that may be some, by name; hidden ones and the output folder are none of
 /// them. Errors: InputError when `folder` cannot be read.
 std::vector<std::filesystem::path> subfolders(const std::filesystem::path& folder,

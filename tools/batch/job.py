@@ -177,10 +177,6 @@ def perform(job, log):
     if not accepted(job, code, part):
         os.remove(part)
         return code or FAILED, last_line(job.log, begin)
-    if job.given.rule == "ingest" and not os.path.exists(job.scene + "/transforms.json"):
-        os.remove(part)
-        return BAD_INPUT, (f"tessera: {job.batch.scenes[job.given.scene].path}: holds several "
-                           "captures; write `captures: [THAT/*/]` in batch.yaml")
     os.replace(part, output)
     return 0, ""
 

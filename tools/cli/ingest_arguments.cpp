@@ -10,6 +10,7 @@
 #include "ingest/camera_table_text.h"
 #include "ingest/files/cache_folder.h"
 #include "ingest/layouts/capture_layout.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/stage_ledger.h"
@@ -163,6 +164,13 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
   return options;
 }
 
+void require_one_capture(const std::filesystem::path& folder, const IngestOptions& options) {
+  if (!is_folder_of_captures(folder, options.image_layout)) return;
+  throw InputError(fmt::format(
+      "{}: is no capture, but holds some ({}); name one of them, or all of them to `tessera batch`",
+      folder.string(), listed_names(captures_in(folder, options.image_layout))));
+}
+
 nlohmann::json to_json(const IngestOptions& o) {
   return {{"scale", o.scale},
           {"frames", o.frames.value_or(0)},
@@ -192,10 +200,9 @@ nlohmann::json to_json(const IngestOptions& o) {
 }
 
 IngestReport ingest_with_progress(const std::filesystem::path& capture,
-                                  const std::filesystem::path& out, const IngestOptions& options,
-                                  const std::string& label) {
+                                  const std::filesystem::path& out, const IngestOptions& options) {
   const SceneLock replaced(out, SceneLock::Use::kReplace);
-  ProgressBar bar(label);
+  ProgressBar bar("ingest");
   IngestOptions checked = options;
   checked.check_cameras = true;
   const IngestReport report = ingest_capture(

@@ -17,13 +17,14 @@ struct IngestArguments {
 void add_ingest_options(CLI::App& command, IngestArguments& arguments);
 /// Checks what was typed and turns words into values. Errors: InputError.
 IngestOptions resolve_ingest(const IngestArguments& arguments);
+/// Errors: InputError that names the captures in `folder`, where it holds some and is none itself.
+void require_one_capture(const std::filesystem::path& folder, const IngestOptions& options);
 /// Everything that changes the prepared scene, with the stamps of the files that are named: what
 /// keys of finished work are made of.
 nlohmann::json to_json(const IngestOptions& options);
-/// Runs `ingest_capture` under a progress bar that begins with `label`; prints its notes,
-/// the table of cameras, and its warnings.
+/// Runs `ingest_capture` under a progress bar; prints its notes, the table of cameras, and its
+/// warnings.
 IngestReport ingest_with_progress(const std::filesystem::path& capture,
-                                  const std::filesystem::path& out, const IngestOptions& options,
-                                  const std::string& label);
+                                  const std::filesystem::path& out, const IngestOptions& options);
 
 }  // namespace tessera

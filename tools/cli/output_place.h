@@ -10,10 +10,10 @@
 //    OUT/scene beside OUT/run. Nor is a folder of captures, whose results may lie beside them; each
 //    capture in it is one.
 // 4. Expensive results, a prepared scene, a run or a synthetic capture, are replaced with
-//    --overwrite only, and a scene that another program uses is never replaced (locks.h). `run`,
-//    `batch` and `ingest` of several captures record which files of their folder they made for
-//    which inputs and options, and replace these alone. Exports, images and reports are replaced
-//    where the manifest of their folder lists them (output_folder.h).
+//    --overwrite only, and a scene that another program uses is never replaced (locks.h). `run`
+//    and `batch` record which files of their folder they made for which inputs and options, and
+//    replace these alone. Exports, images and reports are replaced where the manifest of their
+//    folder lists them (output_folder.h).
 #pragma once
 #include <filesystem>
 

@@ -18,8 +18,6 @@ class StageLedger {
   /// By which values these inputs differ from those that the stage was begun with; none where it
   /// was not, or by a version that did not record them.
   std::vector<std::string> changed(const std::string& stage, const nlohmann::json& inputs) const;
-  /// Whether it was begun with whatever inputs.
-  bool knows(const std::string& stage) const { return entries_.contains(stage); }
   /// The inputs of a stage; null where they are not known.
   nlohmann::json inputs(const std::string& stage) const;
   void begin(const std::string& stage, const nlohmann::json& inputs);

@@ -17,7 +17,6 @@ struct Advice {
 };
 constexpr Advice kAdvice[] = {
     {"run", "--resume", "run resumes by itself: repeat the command"},
-    {"ingest", "--resume", "finished scenes of a folder are kept: repeat the command"},
     {"batch", "--resume", "batch resumes by itself: repeat the command"},
     {"bench", "--resume", "finished runs are kept: repeat the command"},
 };

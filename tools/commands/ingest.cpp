@@ -1,4 +1,4 @@
-// `tessera ingest` prepares a scene from a capture, or one scene for each capture of a folder.
+// `tessera ingest` prepares a scene from a capture.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -10,10 +10,8 @@
 #include "kernels/base/parallel.h"
 #include "tools/cli/command.h"
 #include "tools/cli/ingest_arguments.h"
-#include "tools/cli/interrupt.h"
 #include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
-#include "tools/commands/ingest_batch.h"
 
 namespace tessera {
 namespace {
@@ -22,24 +20,17 @@ struct IngestRequest {
   IngestArguments arguments;
   std::string capture, out;
   int threads = 0;
-  bool batch = false, overwrite = false, json = false;
+  bool overwrite = false, json = false;
 };
 
-int ingest_all(const IngestRequest& request, const IngestOptions& options) {
-  const BatchResult result = ingest_batch(request.capture, request.out, options, request.overwrite);
-  print_result(request.json, batch_json(result, request.out), batch_table(result));
-  if (result.interrupted) {
-    report_error("tessera: interrupted; run the same command again to resume");
-    return stop_code();
-  }
-  return result.count(BatchOutcome::kFailed) == 0 ? kExitDone : kExitFailed;
-}
-
-int ingest_one(const IngestRequest& request, const IngestOptions& options) {
+int ingest(const IngestRequest& request) {
+  set_thread_count(request.threads);
+  const IngestOptions options = resolve_ingest(request.arguments);
+  require_one_capture(request.capture, options);
   check_output_apart(request.out, request.capture);
   check_may_replace(request.out, "a prepared scene", is_prepared_scene(request.out),
                     request.overwrite);
-  const IngestReport report = ingest_with_progress(request.capture, request.out, options, "ingest");
+  const IngestReport report = ingest_with_progress(request.capture, request.out, options);
   print_result(
       request.json,
       {{"out", request.out},
@@ -56,36 +47,21 @@ int ingest_one(const IngestRequest& request, const IngestOptions& options) {
   return kExitDone;
 }
 
-int ingest(const IngestRequest& request) {
-  set_thread_count(request.threads);
-  const IngestOptions options = resolve_ingest(request.arguments);
-  return request.batch || is_folder_of_captures(request.capture, options.image_layout)
-             ? ingest_all(request, options)
-             : ingest_one(request, options);
-}
-
 }  // namespace
 
 void add_ingest_command(CLI::App& app, Work& work) {
   CLI::App* command =
       app.add_subcommand("ingest", "prepare a capture: poses, clocks, images, initial points");
   const auto request = std::make_shared<IngestRequest>();
-  command->add_option("capture", request->capture, "folder of the capture, or of captures")
-      ->required();
-  command
-      ->add_option("-o,--out", request->out,
-                   "prepared scene to write; for a folder of captures, the folder of their scenes")
-      ->required();
+  command->add_option("capture", request->capture, "folder of the capture")->required();
+  command->add_option("-o,--out", request->out, "prepared scene to write")->required();
   add_ingest_options(*command, request->arguments);
   command->add_flag("--static", request->arguments.options.allow_static,
                     "accept times that are all equal as one timestep");
-  command->add_flag("--batch", request->batch,
-                    "prepare every subfolder, also where the folder is a capture itself");
   command->add_flag("--overwrite", request->overwrite,
                     "replace a prepared scene that is there and that no program has in use");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
-  command->add_flag("--json", request->json,
-                    "print one JSON object; for a folder of captures, an array");
+  command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return ingest(*request); }; });
 }
 

@@ -31,10 +31,7 @@ void check_request(const RunRequest& request) {
   const fs::path& capture = request.capture;
   const IngestOptions options = resolve_ingest(request.ingest);
   require_folder(capture);
-  if (is_folder_of_captures(capture, options.image_layout))
-    throw InputError(fmt::format(
-        "{}: holds several captures ({}); name one of them, or prepare all with `tessera ingest`",
-        capture.string(), fmt::join(captures_in(capture, options.image_layout), ", ")));
+  require_one_capture(capture, options);
   check_output_apart(request.out, capture);
   if (!opens_as_scene(capture)) layout_of(capture, options);
   is_cuda_chosen(request.training.backend);

@@ -192,7 +192,7 @@ class Runner {
     return do_stage(kIngest, inputs, as_it_is ? scene_ : scene_ / "transforms.json", [&] {
       json result = {{"scene", scene_.string()}};
       if (as_it_is) return std::optional(result);
-      const IngestReport report = ingest_with_progress(request_.capture, scene_, options, "ingest");
+      const IngestReport report = ingest_with_progress(request_.capture, scene_, options);
       result["frames"] = report.frames;
       result["cameras"] = report.cameras;
       result["warnings"] = report.warnings;

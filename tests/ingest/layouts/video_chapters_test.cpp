@@ -64,7 +64,7 @@ TEST_F(VideoChapters, FoldersAreCamerasByTheirNamesAndFiles) {
   EXPECT_EQ(evidence({"cam00/video.mp4", "cam01/video.mp4"}), RigEvidence::kRig);
   EXPECT_EQ(evidence({"left/video.mp4", "right/video.mp4"}), RigEvidence::kUnclear);
   expect_input_error([&] { detect_layout(folder_.path()); },
-                     {"2 folders of a video each (left, right)", "--layout rig", "--batch"});
+                     {"2 folders of a video each (left, right)", "--layout rig", "name one of"});
   EXPECT_EQ(detect_layout(folder_.path(), ImageLayout::kRig), CaptureLayout::kVideos);
   EXPECT_EQ(evidence({"1/cam00.mp4", "1/cam01.mp4", "2/cam00.mp4", "2/cam01.mp4"}),
             RigEvidence::kNone);
