@@ -86,7 +86,7 @@ void take_place(const TrainRequest& request, const fs::path& place, nlohmann::js
 class ViewedTraining {
  public:
   /// `place`: the run folder that was named; that of `request` differs for a successor.
-  /// `restarts`: where its checkpoint is refused, it is set aside.
+  /// `restarts`: a refused checkpoint is renamed, and the training begins again.
   ViewedTraining(TrainRequest request, fs::path place, bool restarts, bool with_view,
                  TrainingTerminal& terminal)
       : request_(std::move(request)),
