@@ -185,7 +185,7 @@ void write_requests(const fs::path& folder) {
   write_text_file(folder / "resume", "POST /api/resume\n" + own_page);
   write_text_file(folder / "state", "GET /api/state a=1&seen=7\n" + cookie);
   write_text_file(folder / "truth", "GET /api/truth view=3\n" + cookie);
-  write_text_file(folder / "charts", "GET /api/charts\n" + cookie);
+  write_text_file(folder / "report", "GET /api/report\n" + cookie);
 }
 
 }  // namespace

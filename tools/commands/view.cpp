@@ -32,9 +32,10 @@
 #include "tools/session/model_input.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/version.h"
-#include "tools/view/live_page.h"
 #include "tools/view/view_request.h"
 #include "tools/view/view_server.h"
+#include "tools/web/page_words.h"
+#include "tools/web/web_page.h"
 
 namespace tessera {
 namespace {
@@ -181,10 +182,13 @@ std::unique_ptr<LiveWatch> watch_of(const ViewSource& source, const ViewArgument
 
 /// The pages and answers of a training that is watched.
 void watch_training(LiveWatch& watch, ViewState& state) {
-  state.live_page = live_page();
+  state.live_page = report_page();
+  std::string data(kReportData);
+  fill_place(data, "null", "\"live\"");
+  fill_place(state.live_page, kReportData, data);
   state.player_page = page_of_folder({});
   state.live = LiveHooks{[&watch](int64_t seen) { return watch.state(seen); },
-                         [&watch] { return watch.charts(); },
+                         [&watch] { return watch.report(); },
                          [&watch](int64_t view) { return watch.truth(view); },
                          [&watch] { return watch.stop(); }, [&watch] { return watch.resume(); }};
 }

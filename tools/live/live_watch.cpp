@@ -22,7 +22,7 @@
 #include "tools/live/live_folder.h"
 #include "tools/live/stopped_training.h"
 #include "tools/report/log_events.h"
-#include "tools/report/run_charts.h"
+#include "tools/report/run_report.h"
 
 namespace tessera {
 namespace {
@@ -126,27 +126,27 @@ std::string LiveWatch::state(int64_t seen) {
   return json_text(result);
 }
 
-std::string LiveWatch::charts() {
+std::string LiveWatch::report() {
   const std::lock_guard held(mutex_);
   std::error_code absent;
   const RunFolder run = this->run();
-  const std::pair shown{fs::file_size(run.log(), absent), scores_.size()};
-  if (absent || shown == charted_) return charts_;
-  std::string preset;
-  RunCurves curves;
+  const std::pair now{fs::file_size(run.log(), absent), scores_.size()};
+  if (absent || now == reported_) return report_;
+  json report;
   try {
-    preset = text_at(run.read_config(), "preset");
-    curves = run_curves(log_events(read_text_file(run.log())));
+    report = run_report({run.read_config(), {}, {}, read_text_file(run.log())});
   } catch (const std::exception&) {  // the run is removed or replaced meanwhile
-    return charts_;
+    return report_;
   }
-  curves.psnr_test.clear();
-  for (const auto& [step, psnr] : scores_) curves.psnr_test.push_back({step, 0, psnr});
-  charts_.clear();
-  for (const std::string& svg : run_charts(preset, curves))
-    charts_ += "<figure>" + svg + "</figure>\n";
-  charted_ = shown;
-  return charts_;
+  json& curve = report["curves"]["psnr_test"] = to_json(std::vector<CurvePoint>());
+  for (const auto& [step, psnr] : scores_) {
+    curve["step"].push_back(step);
+    curve["seconds"].push_back(nullptr);
+    curve["value"].push_back(psnr);
+  }
+  report_ = json_text(report);
+  reported_ = now;
+  return report_;
 }
 
 std::string LiveWatch::truth(int64_t view) const {

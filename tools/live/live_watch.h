@@ -43,8 +43,9 @@ class LiveWatch {
   /// checkpoint), views (as tools/export/page_head.h has them), scores [[step, PSNR in dB]], resume
   /// (a command; "" where `stopped` is null).
   std::string state(int64_t seen);
-  /// HTML: the curves of its report so far, with the scores of its snapshots.
-  std::string charts();
+  /// JSON: the run as report.json has it, by its log so far, with the scores of its snapshots; null
+  /// where there is none yet.
+  std::string report();
   /// PNG; "" where there is no such view.
   std::string truth(int64_t view) const;
   bool stop();
@@ -83,8 +84,8 @@ class LiveWatch {
   Scene scene_;  // its held-out frames; not changed once views_ has them
   std::vector<std::string> views_;
   std::vector<std::pair<int64_t, double>> scores_;  // step, dB
-  std::string charts_;
-  std::pair<uintmax_t, size_t> charted_;  // bytes of the log and scores that they show
+  std::string report_ = "null";
+  std::pair<uintmax_t, size_t> reported_;  // bytes of the log and scores that it has
   std::condition_variable wake_;
   bool leaves_ = false;
   std::thread thread_;

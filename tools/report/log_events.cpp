@@ -79,22 +79,23 @@ RunCurves run_curves(const std::vector<json>& events) {
   return curves;
 }
 
+json to_json(const std::vector<CurvePoint>& curve) {
+  json made = {{"step", json::array()}, {"seconds", json::array()}, {"value", json::array()}};
+  for (const CurvePoint& point : curve) {
+    made["step"].push_back(point.step);
+    made["seconds"].push_back(point.seconds);
+    made["value"].push_back(point.value);
+  }
+  return made;
+}
+
 json to_json(const RunCurves& curves) {
-  const auto columns = [](const std::vector<CurvePoint>& curve) {
-    json made = {{"step", json::array()}, {"seconds", json::array()}, {"value", json::array()}};
-    for (const CurvePoint& point : curve) {
-      made["step"].push_back(point.step);
-      made["seconds"].push_back(point.seconds);
-      made["value"].push_back(point.value);
-    }
-    return made;
-  };
-  return {{"psnr_test", columns(curves.psnr_test)},
-          {"psnr_validation", columns(curves.psnr_validation)},
-          {"loss", columns(curves.loss)},
-          {"static", columns(curves.num_static)},
-          {"dynamic", columns(curves.num_dynamic)},
-          {"memory", columns(curves.bytes)}};
+  return {{"psnr_test", to_json(curves.psnr_test)},
+          {"psnr_validation", to_json(curves.psnr_validation)},
+          {"loss", to_json(curves.loss)},
+          {"static", to_json(curves.num_static)},
+          {"dynamic", to_json(curves.num_dynamic)},
+          {"memory", to_json(curves.bytes)}};
 }
 
 }  // namespace tessera

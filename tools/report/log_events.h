@@ -22,8 +22,9 @@ struct RunCurves {
   std::vector<CurvePoint> bytes;                       // peak of the device's memory so far
 };
 
-/// {psnr_test, psnr_validation, loss, static, dynamic, memory}, each {step, seconds, value:
-/// arrays}.
+/// {step, seconds, value}: arrays.
+nlohmann::json to_json(const std::vector<CurvePoint>& curve);
+/// {psnr_test, psnr_validation, loss, static, dynamic, memory} of these.
 nlohmann::json to_json(const RunCurves& curves);
 
 /// Something that the training did by itself, as a sentence.

@@ -46,6 +46,13 @@ json starts_of(const std::vector<json>& events) {
   return found;
 }
 
+/// The stages have the seconds of the last session alone.
+bool was_resumed(const std::vector<json>& events) {
+  return std::any_of(events.begin(), events.end(), [](const json& event) {
+    return text_at(event, "event") == "start" && count_at(event, "iteration") > 0;
+  });
+}
+
 void add_warning(const char* stage, const json& text, json& warnings) {
   if (!text.is_string()) return;
   const auto is_same = [&](const json& known) { return known["text"] == text; };
@@ -176,7 +183,7 @@ json run_report(const RunRecords& records) {
   run["stages"] = stages_of(records.stages, end);
   double command = 0;
   for (const json& stage : run["stages"]) command += stage["seconds"].get<double>();
-  run["seconds"] = {{"command", command > 0 ? json(command) : json()},
+  run["seconds"] = {{"command", command > 0 && !was_resumed(events) ? json(command) : json()},
                     {"training", or_null(number_at(end, "seconds"))}};
   run["curves"] = to_json(curves);
   run["views"] = views_of(records.metrics);

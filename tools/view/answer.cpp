@@ -153,8 +153,8 @@ std::optional<ViewResponse> live_answer(const ViewRequest& request, const ViewSt
   if (request.path == "/api/state")
     return with_text(200, "application/json",
                      state.live->state(number_in(query, "seen").value_or(0)));
-  if (request.path == "/api/charts")
-    return with_text(200, "text/html; charset=utf-8", state.live->charts());
+  if (request.path == "/api/report")
+    return with_text(200, "application/json", state.live->report());
   if (request.path == "/api/truth")
     if (std::string png = state.live->truth(number_in(query, "view").value_or(-1)); !png.empty())
       return with_text(200, "image/png", std::move(png));

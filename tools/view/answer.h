@@ -16,8 +16,8 @@ namespace tessera {
 struct LiveHooks {
   /// JSON for `GET /api/state?seen=N`; N: number of the newest snapshot that the page shows.
   std::function<std::string(int64_t seen)> state;
-  /// HTML of its curves, for `GET /api/charts`; "": there are none yet.
-  std::function<std::string()> charts;
+  /// JSON of what its log has so far, for `GET /api/report`.
+  std::function<std::string()> report;
   /// PNG of the truth of a held-out view, for `GET /api/truth?view=I`; "": there is none such.
   std::function<std::string(int64_t view)> truth;
   /// Asks the training to save and leave, for `POST /api/stop`; false: none is running.

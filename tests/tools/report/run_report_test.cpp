@@ -105,6 +105,8 @@ TEST(RunReport, AResumedTrainingHasEachStepOnce) {
   EXPECT_TRUE(report["curves"]["psnr_test"]["step"].empty()) << "of a step that was trained again";
   EXPECT_EQ(report["host"], "second");
   EXPECT_EQ(report["warnings"].size(), 2u) << "warnings stay";
+  EXPECT_TRUE(report["seconds"]["command"].is_null())
+      << "those of one session are not those of all";
 }
 
 // Bug put back: a warning that each start repeats is listed each time; seen to fail.

@@ -10,7 +10,7 @@ class ViewLive : public ViewFolder {
     state.live_page = "<p>live</p>";
     state.player_page = "<p>frame</p>";
     state.live = LiveHooks{[this](int64_t seen) { return asked_ = "s" + std::to_string(seen); },
-                           [] { return std::string("<svg>"); },
+                           [] { return std::string("{curves}"); },
                            [](int64_t view) { return std::string(view == 1 ? "image" : ""); },
                            [this] {
                              ++stops_;
@@ -46,12 +46,12 @@ TEST_F(ViewLive, PagesAndAnswers) {
   EXPECT_NE(header(get("/live"), "Content-Security-Policy").find("frame-ancestors 'self'"),
             std::string::npos);
   EXPECT_EQ(text("/api/truth", "view=1"), "image");
-  EXPECT_EQ(text("/api/charts", ""), "<svg>");
+  EXPECT_EQ(text("/api/report", ""), "{curves}");
   ViewRequest none = request("/api/truth");
   none.query = "view=2";
   EXPECT_EQ(answer(none, state).status, 404);
   state.live.reset();
-  for (const char* path : {"/live", "/api/player", "/api/state", "/api/charts", "/api/truth"})
+  for (const char* path : {"/live", "/api/player", "/api/state", "/api/report", "/api/truth"})
     EXPECT_EQ(status(path), 404) << path << " without a training";
 }
 

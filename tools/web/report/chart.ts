@@ -61,6 +61,17 @@ export class Chart {
     this.draw();
   }
 
+  /** New values of the same lines; a range that was zoomed to stays. */
+  update(lines: Line[], ends: [number, number] | null): void {
+    const { min, max } = this.plot?.scales.x ?? {};
+    const zoomed = min != null && max != null && (min > this.ends[0] || max < this.ends[1]);
+    this.content.lines = lines;
+    this.ends = ends ?? [0, 1];
+    const data = columns(lines, this.x, this.ends, this.log);
+    this.plot?.setData(data as uPlot.AlignedData, !zoomed);
+    if (this.plot) this.showValues(this.plot);
+  }
+
   setRange(low: number, high: number): void {
     this.plot?.setScale("x", { min: low, max: high });
   }

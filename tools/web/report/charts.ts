@@ -50,16 +50,37 @@ function followColours(charts: Chart[]): void {
   });
 }
 
-export function chartsSection(runs: Run[]): HTMLElement | null {
+function contentsOf(runs: Run[]): ChartContent[] {
+  return TITLES.map((title, i) => ({ ...title, lines: linesOf(runs, CURVES[i]) }))
+    .filter(({ lines }) => lines.length > 0);
+}
+
+export interface Charts {
+  element: HTMLElement;
+  /** New values of the same curves, under the zoom and the cursor that are there; false where there
+   * are other curves. */
+  show(runs: Run[]): boolean;
+}
+
+export function makeCharts(runs: Run[]): Charts | null {
   const zoom = (low: number, high: number) => charts.forEach((chart) => chart.setRange(low, high));
-  const charts: Chart[] = TITLES.map((title, i) => ({ ...title, lines: linesOf(runs, CURVES[i]) }))
-    .filter(({ lines }) => lines.length > 0)
-    .map((content) => new Chart(content, zoom));
+  const charts = contentsOf(runs).map((content) => new Chart(content, zoom));
   if (charts.length === 0) return null;
-  const lines = charts.flatMap((chart) => chart.content.lines);
-  const setX = (x: XName) => {
-    const ends = extent(lines, x);
+  const linesNow = () => charts.flatMap((chart) => chart.content.lines);
+  let x: XName = "step";
+  const setX = (name: XName) => {
+    x = name;
+    const ends = extent(linesNow(), x);
     for (const chart of charts) chart.setX(x, ends);
+  };
+  const show = (now: Run[]) => {
+    const contents = contentsOf(now);
+    const same = ({ content: { name, lines } }: Chart, i: number) =>
+      name === contents[i].name && lines.length === contents[i].lines.length;
+    if (contents.length !== charts.length || !charts.every(same)) return false;
+    const ends = extent(contents.flatMap(({ lines }) => lines), x);
+    charts.forEach((chart, i) => chart.update(contents[i].lines, ends));
+    return true;
   };
   const hasSeconds = charts.every((chart) => {
     const ends = extent(chart.content.lines, "seconds");
@@ -67,7 +88,7 @@ export function chartsSection(runs: Run[]): HTMLElement | null {
   });
   setX("step");
   followColours(charts);
-  return section(
+  const element = section(
     "Training",
     make(
       "div",
@@ -81,6 +102,7 @@ export function chartsSection(runs: Run[]): HTMLElement | null {
     runs.length > 1 ? runLegend(runs) : null,
     make("div", { class: "charts" }, ...charts.map((chart) => chart.element)),
   );
+  return { element, show };
 }
 
 function runLegend(runs: Run[]): HTMLElement {

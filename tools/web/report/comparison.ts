@@ -1,6 +1,6 @@
 // The page of several runs: scores side by side, views by name, curves over each other, and options
 // that differ.
-import { chartsSection } from "./charts";
+import { makeCharts } from "./charts";
 import type { Report, Run } from "./data";
 import { decisionsCard, filesCard, machineCard, stagesCard, warningsSection } from "./details";
 import { details, make, section } from "./elements";
@@ -81,7 +81,7 @@ export function comparisonPage(report: Report): Node[] {
     section("Scores", scoreTable(runs)),
     warningsSection(runs),
     viewer?.element ?? null,
-    chartsSection(runs),
+    makeCharts(runs)?.element ?? null,
     section("Options that differ", differingOptions(runs)),
     section("Runs", ...each),
   ].filter((part) => part !== null);

@@ -100,14 +100,16 @@ export interface Camera {
   notes: string[]; // what is odd about it
 }
 
-/** The report that the text holds, or one line that says why there is none. */
-export function readReport(text: string): Report | string {
+/** The report that the text holds, "live" where the training is to be followed, or one line that says
+ * why there is none. */
+export function readReport(text: string): Report | "live" | string {
   let data: { schema?: unknown; runs?: unknown } | null;
   try {
     data = JSON.parse(text);
   } catch {
     return "The data of this report cannot be read: it is not JSON.";
   }
+  if ((data as unknown) === "live") return "live";
   if (data === null || typeof data !== "object") return "This page has no report.";
   if (typeof data.schema === "number" && data.schema > 1)
     return (

@@ -1,6 +1,6 @@
 // The page of one run: its sections, from the most important to the details.
 import { camerasSection } from "./cameras";
-import { chartsSection } from "./charts";
+import { makeCharts } from "./charts";
 import type { Run } from "./data";
 import {
   decisionsCard, filesCard, machineCard, optionsTable, stagesCard, viewsTable, warningsSection,
@@ -47,7 +47,7 @@ function tiles(run: Run): Tile[] {
   const add = (name: string, known: number | null, value: string, more = "") => {
     if (known !== null) made.push([name, value, more]);
   };
-  const fit = scores.psnr_fit === null ? "" : `training views ${decibels(scores.psnr_fit)}`;
+  const fit = scores.psnr_fit === null ? "" : `after the gains of cameras ${decibels(scores.psnr_fit)}`;
   add("PSNR", scores.psnr, decibels(scores.psnr), fit);
   const still = scores.psnr_static === null ? "" : `static pixels ${decibels(scores.psnr_static)}`;
   add("Moving pixels", scores.psnr_dynamic, decibels(scores.psnr_dynamic), still);
@@ -91,7 +91,7 @@ export function runPage(run: Run, title: string): Node[] {
     warningsSection([run]),
     viewer?.element ?? noImages,
     decisions && section("What the training decided", decisions),
-    chartsSection([run]),
+    makeCharts([run])?.element ?? null,
     camerasSection(run),
     section("Run", make("div", { class: "pair" }, ...facts)),
     views && section("All views", make("div", { class: "card" }, views)),
