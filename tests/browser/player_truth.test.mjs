@@ -49,7 +49,7 @@ async function shown(page, share) {
     range.dispatchEvent(new Event('input'));
     return window.tessera.settle();
   }, share);
-  return readPng(await page.screenshot({style: '.panel { visibility: hidden; }'}));
+  return readPng(await page.screenshot({style: '.panel, #truth-line { visibility: hidden; }'}));
 }
 
 // Bugs put back: the time of the view not taken; the camera not taken; the image over the whole
@@ -92,6 +92,36 @@ test('another camera and another time end the comparison', async () => {
     await page.waitForFunction(() => document.getElementById('truth').hidden);
     await page.evaluate(() => window.tessera.pause());
   }
+  expectClean(problems);
+  await page.close();
+});
+
+// Bugs put back: the line without its listeners, so that the drag orbits and ends the comparison; the
+// line at the share of the other side; the key without next(); each seen to fail.
+test('the line between model and test image is dragged on the image', async () => {
+  const {page, problems} = await opened({width: 900, height: 560});
+  await page.keyboard.press('t');
+  const share = () => page.evaluate(() => Number(document.getElementById('truth-share').value));
+  const middle = async () => {
+    const box = await page.locator('#truth-line').boundingBox();
+    return box.x + box.width / 2;
+  };
+  assert.ok(Math.abs(await middle() - 450) < 1);
+  await page.mouse.move(450, 200);
+  await page.mouse.down();
+  await page.mouse.move(225, 210, {steps: 3});
+  await page.mouse.up();
+  assert.ok(Math.abs(await middle() - 225) < 1, `${await middle()}`);
+  assert.equal(await share(), 75);
+  assert.equal(await page.evaluate(() => document.getElementById('truth').hidden), false);
+  const name = () => page.evaluate(() => document.getElementById('truth-view').value);
+  const first = await name();
+  await page.keyboard.press('n');
+  assert.notEqual(await name(), first);
+  assert.equal(await page.locator('#truth-line').isVisible(), true);
+  await page.screenshot({path: join(folder, 'line.png')});
+  await page.keyboard.press('t');
+  assert.equal(await page.locator('#truth-line').isVisible(), false);
   expectClean(problems);
   await page.close();
 });

@@ -1,4 +1,5 @@
-// Compares test images with the model: selects one, and shows a slider between the two.
+// Compares test images with the model: selects one, and shows both with a line between them, which is
+// dragged on the image or by the slider of the panel.
 import { Fields } from "./json_fields";
 import { readCamera, type Camera } from "./manifest";
 import { element } from "./ui";
@@ -29,6 +30,7 @@ export class Comparison {
   private readonly choice = element<HTMLSelectElement>("truth-view");
   private readonly share = element<HTMLInputElement>("truth-share");
   private readonly image = element<HTMLImageElement>("truth");
+  private readonly line = element("truth-line");
   private views: TruthView[] = [];
   private shown: TruthView | null = null;
 
@@ -36,6 +38,14 @@ export class Comparison {
   constructor(private readonly look: (view: TruthView) => void) {
     this.choice.addEventListener("change", () => this.show());
     this.share.addEventListener("input", () => this.slide());
+    this.line.addEventListener("pointerdown", (event) => this.line.setPointerCapture(event.pointerId));
+    this.line.addEventListener("pointermove", (event) => {
+      if (this.line.hasPointerCapture(event.pointerId)) this.slideTo(event.clientX / innerWidth);
+    });
+    // the wheel is not for the line
+    this.line.addEventListener("wheel", (event) => {
+      element("picture").dispatchEvent(new WheelEvent("wheel", event));
+    });
     this.slide();
   }
 
@@ -52,6 +62,13 @@ export class Comparison {
   toggle(): void {
     if (this.shown !== null) this.end();
     else if (this.views.length > 0) this.show();
+  }
+
+  /** The test image after the one that is shown. */
+  next(): void {
+    if (this.shown === null) return;
+    this.choice.selectedIndex = (this.choice.selectedIndex + 1) % this.views.length;
+    this.show();
   }
 
   /** The camera or the time has left the image. */
@@ -73,11 +90,19 @@ export class Comparison {
 
   private set(view: TruthView | null): void {
     this.shown = view;
-    this.image.hidden = this.panel.hidden = view === null;
+    this.image.hidden = this.panel.hidden = this.line.hidden = view === null;
     this.button.setAttribute("aria-pressed", String(view !== null));
   }
 
+  /** `place`: of the line, from 0 (left) to 1. */
+  private slideTo(place: number): void {
+    this.share.value = String(100 - 100 * Math.min(1, Math.max(0, place)));
+    this.slide();
+  }
+
   private slide(): void {
-    this.image.style.clipPath = `inset(0 0 0 ${100 - Number(this.share.value)}%)`;
+    const left = 100 - Number(this.share.value);
+    this.image.style.clipPath = `inset(0 0 0 ${left}%)`;
+    this.line.style.left = `${left}%`;
   }
 }

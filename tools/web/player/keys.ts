@@ -1,7 +1,7 @@
 // The action of each key of the keyboard.
 
 export type Action =
-  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" | "path" | "compare" | "vr" }
+  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" | "path" | "compare" | "next" | "vr" }
   | { do: "step"; frames: number }
   | { do: "rate"; steps: number }
   | { do: "camera"; index: number };
@@ -43,6 +43,8 @@ export function actionOf(key: string): Action | null {
       return { do: "path" };
     case "t":
       return { do: "compare" };
+    case "n":
+      return { do: "next" };
     case "m":
       return { do: "mute" };
     case "?":

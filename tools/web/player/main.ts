@@ -248,6 +248,8 @@ class Page {
         return this.viewpoint.playPath(!this.viewpoint.playsPath);
       case "compare":
         return this.comparison.toggle();
+      case "next":
+        return this.comparison.next();
       case "vr":
         return void this.toggleVr();
       case "share":
