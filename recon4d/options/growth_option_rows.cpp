@@ -2,289 +2,100 @@
 #include "recon4d/options/option_rows.h"
 
 namespace tessera {
-std::vector<TrainOption> growth_option_rows() {
-  return {
-      {.key = "densification",
-       .member = choice<&TrainOptions::densification>(),
-       .doc = "adc: clone and split where gradients are large, prune faint Gaussians; budget: "
-              "halve Gaussians that are drawn by their absolute gradients, in numbers that follow "
-              "a curve up to peak_gaussians; mcmc: relocate faint Gaussians to opaque ones, up to "
-              "max_gaussians",
-       .source = "[3DGS]; absolute gradient: [AbsGS]; mcmc: [3DGS-MCMC]",
-       .group = group::kDensity},
-      {.key = "budget_without",
-       .member = choice<&TrainOptions::budget_without>(),
-       .doc = "A part that densification budget is to do without, as adc does",
-       .source = "ours",
-       .group = group::kDensity},
-      {.key = "densify_from",
-       .member = &TrainOptions::densify_from,
-       .low = 0,
-       .high = 1e9,
-       .doc = "First step of density control",
-       .source = "[Faster-GS]",
-       .group = group::kDensity,
-       .unit = Unit::kCount},
-      {.key = "densify_until",
-       .member = &TrainOptions::densify_until,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Last step of density control; 0: none",
-       .source = "[Faster-GS]",
-       .group = group::kDensity,
-       .unit = Unit::kCount},
-      {.key = "densify_interval",
-       .member = &TrainOptions::densify_interval,
-       .low = 1,
-       .high = 1e9,
-       .doc = "Steps between two density controls; not scaled with the schedule",
-       .source = "[3DGS]",
-       .group = group::kDensity,
-       .unit = Unit::kCount},
-      {.key = "densify_threshold",
-       .member = &TrainOptions::densify_threshold,
-       .low = 0,
-       .high = 1e12,
-       .doc = "Mean screen-space gradient (NDC) above which a Gaussian is cloned or split",
-       .source = "[3DGS]",
-       .group = group::kDensity},
-      {.key = "dense_fraction",
-       .member = &TrainOptions::dense_fraction,
-       .low = 0,
-       .high = 1e6,
-       .doc = "Largest scale of a clone, per scene extent; larger Gaussians are split",
-       .source = "[3DGS]",
-       .group = group::kDensity},
-      {.key = "prune_opacity",
-       .member = &TrainOptions::prune_opacity,
-       .low = 0,
-       .high = 1,
-       .doc = "Opacity below which Gaussians are removed (adc) or relocated (mcmc)",
-       .source = "[3DGS]",
-       .group = group::kDensity},
-      {.key = "prune_extent",
-       .member = &TrainOptions::prune_extent,
-       .low = 0,
-       .high = 1e6,
-       .doc = "Scale, per scene extent, above which Gaussians are removed; 0: never",
-       .source = "[3DGS]",
-       .group = group::kDensity},
-      {.key = "prune_large_from",
-       .member = &TrainOptions::prune_large_from,
-       .low = 0,
-       .high = 1e9,
-       .doc = "First step at which prune_extent applies",
-       .source = "[3DGS]",
-       .group = group::kDensity,
-       .unit = Unit::kCount},
-      {.key = "opacity_reset_interval",
-       .member = &TrainOptions::opacity_reset_interval,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Steps between two opacity resets, with one more at 500 unless the background is "
-              "black; 0: never",
-       .source = "[Hybrid4D]",
-       .group = group::kDensity,
-       .unit = Unit::kCount},
-      {.key = "mcmc_noise",
-       .member = &TrainOptions::mcmc_noise,
-       .low = 0,
-       .high = 1e12,
-       .doc = "Noise on means, by covariance and learning rate of the mean",
-       .source = "[3DGS-MCMC]",
-       .group = group::kDensity},
-      {.key = "mcmc_growth",
-       .member = &TrainOptions::mcmc_growth,
-       .low = 1,
-       .high = 1e6,
-       .doc = "Factor by which a density control may grow the number of Gaussians",
-       .source = "[3DGS-MCMC]",
-       .group = group::kDensity},
-      {.key = "min_blending_weight",
-       .member = &TrainOptions::min_blending_weight,
-       .low = 0,
-       .high = 1,
-       .doc =
-           "Remove Gaussians whose largest blending weight over all pixels of the training views "
-           "is less; 0: keep them",
-       .source = "ours",
-       .group = group::kDensity},
-      {.key = "unseen_interval",
-       .member = &TrainOptions::unseen_interval,
-       .low = 1,
-       .high = 1e9,
-       .doc = "Steps between two removals of Gaussians with too small a blending weight",
-       .source = "ours",
-       .group = group::kDensity,
-       .unit = Unit::kCount},
-      {.key = "reorder_interval",
-       .member = &TrainOptions::reorder_interval,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Steps between two Morton reorderings while density control is on; 0: never",
-       .source = "[Faster-GS]",
-       .group = group::kDensity,
-       .unit = Unit::kCount},
-      {.key = "max_gaussians",
-       .member = &TrainOptions::max_gaussians,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Largest number of Gaussians of the finished model; 0: no limit",
-       .source = "ours",
-       .group = group::kSize,
-       .unit = Unit::kCount,
-       .common = true,
-       .example = "50k"},
-      {.key = "max_bytes",
-       .member = &TrainOptions::max_bytes,
-       .low = 0,
-       .high = 1e14,
-       .doc = "Largest size of the exported file (export --format tessera); a player page adds "
-              "about 3 MB; 0: no limit",
-       .source = "ours",
-       .group = group::kSize,
-       .unit = Unit::kBytes,
-       .common = true,
-       .example = "5MB"},
-      {.key = "within_db",
-       .member = &TrainOptions::within_db,
-       .low = 0,
-       .high = 100,
-       .doc =
-           "Keep the smallest model whose validation PSNR is within so many dB of the best; 0: off",
-       .source = "ours",
-       .group = group::kSize,
-       .common = true,
-       .example = "0.3"},
-      {.key = "size",
-       .member = choice<&TrainOptions::size>(),
-       .doc = "Without one of these three limits: grown (as density control leaves it) or knee "
-              "(where the curve of size and error bends)",
-       .source = "ours",
-       .group = group::kSize},
-      {.key = "peak_gaussians",
-       .member = &TrainOptions::peak_gaussians,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Largest number of Gaussians during growth, before pruning; 0: max_gaussians limits "
-              "growth",
-       .source = "ours",
-       .group = group::kSize,
-       .unit = Unit::kCount},
-      {.key = "gaussians_per_pixel",
-       .member = &TrainOptions::gaussians_per_pixel,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Lowers peak_gaussians to that many for each pixel that a training image shows on "
-              "average, without ignored pixels and empty background; 0: it stays as it is",
-       .source = "ours",
-       .group = group::kSize},
-      {.key = "thin_rounds",
-       .member = &TrainOptions::thin_rounds,
-       .low = 1,
-       .high = 1000,
-       .doc = "Pruning rounds after growth, with recovery between them",
-       .source = "ours",
-       .group = group::kSize},
-      {.key = "thin_until",
-       .member = &TrainOptions::thin_until,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Last step of the pruning rounds",
-       .source = "ours",
-       .group = group::kSize,
-       .unit = Unit::kCount},
-      {.key = "decide_motion",
-       .member = &TrainOptions::decide_motion,
-       .low = 0,
-       .high = 1,
-       .doc = "Demote dynamic Gaussians to static where motion reduces the error too little, and "
-              "promote static ones where the error changes over time",
-       .source = "ours",
-       .group = group::kSize},
-      {.key = "spawn_missed",
-       .member = &TrainOptions::spawn_missed,
-       .low = 0,
-       .high = 1,
-       .doc =
-           "At the first decision about motion, add dynamic Gaussians where several cameras of a "
-           "rig miss what moves",
-       .source = "ours",
-       .group = group::kSize},
-      {.key = "decide_colour",
-       .member = &TrainOptions::decide_colour,
-       .low = 0,
-       .high = 1,
-       .doc = "After growth, keep for each Gaussian the SH degree that justifies its bytes",
-       .source = "ours",
-       .group = group::kSize},
-      {.key = "decide_interval",
-       .member = &TrainOptions::decide_interval,
-       .low = 1,
-       .high = 1e9,
-       .doc = "Steps between two decisions about motion during growth",
-       .source = "ours",
-       .group = group::kSize,
-       .unit = Unit::kCount},
-      {.key = "deterministic",
-       .member = &TrainOptions::deterministic,
-       .low = 0,
-       .high = 1,
-       .doc = "Bit-identical models on the same device: sum gradients in a fixed order (CUDA, "
-              "about a fifth slower; the CPU always does)",
-       .source = "ours",
-       .group = group::kSpeed,
-       .common = true},
-      {.key = "feed_bytes",
-       .member = &TrainOptions::feed_bytes,
-       .low = 0,
-       .high = 1e12,
-       .doc = "CUDA: memory for training images; what does not fit is copied ahead of each step; "
-              "0: the free memory but for a reserve",
-       .source = "ours",
-       .group = group::kSpeed,
-       .unit = Unit::kBytes},
-      {.key = "rectangular_bounds",
-       .member = &TrainOptions::rectangular_bounds,
-       .low = 0,
-       .high = 1,
-       .doc = "Bound splats by rectangles, not squares",
-       .source = "[Faster-GS]",
-       .group = group::kSpeed},
-      {.key = "opacity_bounds",
-       .member = &TrainOptions::opacity_bounds,
-       .low = 0,
-       .high = 1,
-       .doc = "Shrink the bounds of faint splats",
-       .source = "[Faster-GS]",
-       .group = group::kSpeed},
-      {.key = "balanced_instances",
-       .member = &TrainOptions::balanced_instances,
-       .low = 0,
-       .high = 1,
-       .doc = "CUDA: whole warps write the tile instances of large splats",
-       .source = "[Faster-GS]",
-       .group = group::kSpeed},
-      {.key = "separate_sort",
-       .member = &TrainOptions::separate_sort,
-       .low = 0,
-       .high = 1,
-       .doc = "CUDA: sort by depth once, then by tile, not by both together",
-       .source = "[Splatshop]",
-       .group = group::kSpeed},
-      {.key = "warp_culling",
-       .member = &TrainOptions::warp_culling,
-       .low = 0,
-       .high = 1,
-       .doc = "CUDA: a warp skips splats that miss its part of the tile",
-       .source = "ours",
-       .group = group::kSpeed},
-      {.key = "backward",
-       .member = choice<&TrainOptions::backward>(),
-       .doc = "CUDA: traversal of the gradient of blending: sub-tile or pixel",
-       .source = "[Faster-GS]; sub-tile: ours",
-       .group = group::kSpeed},
-  };
+
+void OptionRows::add_growth() {
+  group("Density control");
+  choice<&O::densification>(
+      "densification", "[3DGS]; absolute gradient: [AbsGS]; mcmc: [3DGS-MCMC]",
+      "adc: clone and split where gradients are large, prune faint Gaussians; budget: halve "
+      "Gaussians that are drawn by their absolute gradients, in numbers that follow a curve up to "
+      "peak_gaussians; mcmc: relocate faint Gaussians to opaque ones, up to max_gaussians");
+  choice<&O::budget_without>("budget_without", "ours",
+                             "A part that densification budget is to do without, as adc does");
+  number("densify_from", &O::densify_from, kSteps, "[Faster-GS]", "First step of density control");
+  number("densify_until", &O::densify_until, kSteps, "[Faster-GS]",
+         "Last step of density control; 0: none");
+  number("densify_interval", &O::densify_interval, kPositiveSteps, "[3DGS]",
+         "Steps between two density controls; not scaled with the schedule");
+  number("densify_threshold", &O::densify_threshold, {0, 1e12}, "[3DGS]",
+         "Mean screen-space gradient (NDC) above which a Gaussian is cloned or split");
+  number("dense_fraction", &O::dense_fraction, {0, 1e6}, "[3DGS]",
+         "Largest scale of a clone, per scene extent; larger Gaussians are split");
+  number("prune_opacity", &O::prune_opacity, kShare, "[3DGS]",
+         "Opacity below which Gaussians are removed (adc) or relocated (mcmc)");
+  number("prune_extent", &O::prune_extent, {0, 1e6}, "[3DGS]",
+         "Scale, per scene extent, above which Gaussians are removed; 0: never");
+  number("prune_large_from", &O::prune_large_from, kSteps, "[3DGS]",
+         "First step at which prune_extent applies");
+  number("opacity_reset_interval", &O::opacity_reset_interval, kSteps, "[Hybrid4D]",
+         "Steps between two opacity resets, with one more at 500 unless the background is black; "
+         "0: never");
+  number("mcmc_noise", &O::mcmc_noise, {0, 1e12}, "[3DGS-MCMC]",
+         "Noise on means, by covariance and learning rate of the mean");
+  number("mcmc_growth", &O::mcmc_growth, {1, 1e6}, "[3DGS-MCMC]",
+         "Factor by which a density control may grow the number of Gaussians");
+  number("min_blending_weight", &O::min_blending_weight, kShare, "ours",
+         "Remove Gaussians whose largest blending weight over all pixels of the training views is "
+         "less; 0: keep them");
+  number("unseen_interval", &O::unseen_interval, kPositiveSteps, "ours",
+         "Steps between two removals of Gaussians with too small a blending weight");
+  number("reorder_interval", &O::reorder_interval, kSteps, "[Faster-GS]",
+         "Steps between two Morton reorderings while density control is on; 0: never");
+
+  group("Model size");
+  number("max_gaussians", &O::max_gaussians, kGaussians, "ours",
+         "Largest number of Gaussians of the finished model; 0: no limit")
+      .in_help("50k");
+  number("max_bytes", &O::max_bytes, {0, 1e14, Unit::kBytes}, "ours",
+         "Largest size of the exported file (export --format tessera); a player page adds about 3 "
+         "MB; 0: no limit")
+      .in_help("5MB");
+  number("within_db", &O::within_db, {0, 100}, "ours",
+         "Keep the smallest model whose validation PSNR is within so many dB of the best; 0: off")
+      .in_help("0.3");
+  choice<&O::size>(
+      "size", "ours",
+      "Without one of these three limits: grown (as density control leaves it) or knee (where the "
+      "curve of size and error bends)");
+  number("peak_gaussians", &O::peak_gaussians, kGaussians, "ours",
+         "Largest number of Gaussians during growth, before pruning; 0: max_gaussians limits "
+         "growth");
+  number("gaussians_per_pixel", &O::gaussians_per_pixel, {0, 1e3}, "ours",
+         "Lowers peak_gaussians to that many for each pixel that a training image shows on "
+         "average, without ignored pixels and empty background; 0: it stays as it is");
+  number("thin_rounds", &O::thin_rounds, {1, 1000}, "ours",
+         "Pruning rounds after growth, with recovery between them");
+  number("thin_until", &O::thin_until, kSteps, "ours", "Last step of the pruning rounds");
+  on_off("decide_motion", &O::decide_motion, "ours",
+         "Demote dynamic Gaussians to static where motion reduces the error too little, and "
+         "promote static ones where the error changes over time");
+  on_off("spawn_missed", &O::spawn_missed, "ours",
+         "At the first decision about motion, add dynamic Gaussians where several cameras of a rig "
+         "miss what moves");
+  on_off("decide_colour", &O::decide_colour, "ours",
+         "After growth, keep for each Gaussian the SH degree that justifies its bytes");
+  number("decide_interval", &O::decide_interval, kPositiveSteps, "ours",
+         "Steps between two decisions about motion during growth");
+
+  group("Kernels");
+  on_off("deterministic", &O::deterministic, "ours",
+         "Bit-identical models on the same device: sum gradients in a fixed order (CUDA, about a "
+         "fifth slower; the CPU always does)")
+      .in_help();
+  number("feed_bytes", &O::feed_bytes, {0, 1e12, Unit::kBytes}, "ours",
+         "CUDA: memory for training images; what does not fit is copied ahead of each step; 0: the "
+         "free memory but for a reserve");
+  on_off("rectangular_bounds", &O::rectangular_bounds, "[Faster-GS]",
+         "Bound splats by rectangles, not squares");
+  on_off("opacity_bounds", &O::opacity_bounds, "[Faster-GS]", "Shrink the bounds of faint splats");
+  on_off("balanced_instances", &O::balanced_instances, "[Faster-GS]",
+         "CUDA: whole warps write the tile instances of large splats");
+  on_off("separate_sort", &O::separate_sort, "[Splatshop]",
+         "CUDA: sort by depth once, then by tile, not by both together");
+  on_off("warp_culling", &O::warp_culling, "ours",
+         "CUDA: a warp skips splats that miss its part of the tile");
+  choice<&O::backward>("backward", "[Faster-GS]; sub-tile: ours",
+                       "CUDA: traversal of the gradient of blending: sub-tile or pixel");
 }
 
 }  // namespace tessera

@@ -4,263 +4,99 @@
 #include "recon4d/options/option_rows.h"
 
 namespace tessera {
-std::vector<TrainOption> model_option_rows() {
-  return {
-      {.key = "iterations",
-       .member = &TrainOptions::iterations,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Training steps; each uses one batch of views. Stretches the whole schedule",
-       .source = "[3DGS]",
-       .group = group::kLength,
-       .unit = Unit::kCount,
-       .common = true,
-       .example = "15k"},
-      {.key = "schedule_iterations",
-       .member = &TrainOptions::schedule_iterations,
-       .low = 1,
-       .high = 1e9,
-       .doc = "Length that other step counts refer to; they are scaled by iterations / this",
-       .source = "ours",
-       .group = group::kLength,
-       .unit = Unit::kCount},
-      {.key = "batch",
-       .member = &TrainOptions::batch,
-       .low = 1,
-       .high = 1024,
-       .doc = "Views (camera and time) per step",
-       .source = "[Yang24]",
-       .group = group::kLength,
-       .unit = Unit::kCount,
-       .common = true,
-       .example = "8"},
-      {.key = "seed",
-       .member = &TrainOptions::seed,
-       .low = 0,
-       .high = 1e12,
-       .doc = "Seed of every random choice",
-       .source = "ours",
-       .group = group::kLength,
-       .common = true,
-       .example = "2"},
-      {.key = "motion",
-       .member = choice<&TrainOptions::motion>(),
-       .doc = "How the scene moves: none (static Gaussians only, as 3DGS; all images count as one "
-              "timestep), pair (two quaternions and four scales of space-time), velocity (a 3D "
-              "Gaussian with a velocity and a temporal extent), nodes (one set of Gaussians that "
-              "motion nodes carry), auto (nodes or pair, by frames held out of a short trial)",
-       .source = "[Yang24]; velocity: [FreeTimeGS]; nodes: ours, after [SC-GS]",
-       .group = group::kScene,
-       .common = true},
-      {.key = "background",
-       .member = &TrainOptions::background,
-       .doc = "Colour behind the scene: black, white or r,g,b (0-255)",
-       .source = "[Faster-GS]",
-       .group = group::kScene,
-       .common = true,
-       .example = "255,255,255"},
-      {.key = "near_plane",
-       .member = &TrainOptions::near_plane,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Nearest depth at which Gaussians are drawn; 0: half of the depth at which the "
-              "training cameras see the first points of the initial cloud",
-       .source = "[3DGS]",
-       .group = group::kScene,
-       .unit = Unit::kWorld},
-      {.key = "far_plane",
-       .member = &TrainOptions::far_plane,
-       .low = 1e-6,
-       .high = 1e12,
-       .doc = "Farthest depth at which Gaussians are drawn",
-       .source = "[Faster-GS]",
-       .group = group::kScene,
-       .unit = Unit::kWorld},
-      {.key = "train_scale",
-       .member = &TrainOptions::train_scale,
-       .low = 1e-3,
-       .high = 1,
-       .doc = "Size of the training images relative to the scene's; areas are averaged",
-       .source = "[Mip-Splatting]",
-       .group = group::kScene,
-       .common = true,
-       .example = "0.5"},
-      {.key = "init_points",
-       .member = &TrainOptions::init_points,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Initial Gaussians: at most so many points of the cloud, or so many random points",
-       .source = "[Yang24]",
-       .group = group::kStart,
-       .unit = Unit::kCount,
-       .common = true,
-       .example = "100k"},
-      {.key = "init_extent",
-       .member = &TrainOptions::init_extent,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Half the side of the box of random points; 0: from the cameras",
-       .source = "[Faster-GS]",
-       .group = group::kStart,
-       .unit = Unit::kWorld},
-      {.key = "init_opacity",
-       .member = &TrainOptions::init_opacity,
-       .low = 1e-6,
-       .high = 0.999999,
-       .doc = "Initial opacity",
-       .source = "[3DGS]",
-       .group = group::kStart},
-      {.key = "init_scale_factor",
-       .member = &TrainOptions::init_scale_factor,
-       .low = 1e-6,
-       .high = 1e6,
-       .doc = "Initial scale relative to the distance of a point to its neighbours",
-       .source = "[3DGS]",
-       .group = group::kStart},
-      {.key = "init_time_scale",
-       .member = &TrainOptions::init_time_scale,
-       .low = 1e-6,
-       .high = 1e6,
-       .doc = "Initial temporal extent (standard deviation) in clip lengths",
-       .source = "[Yang24]",
-       .group = group::kStart},
-      {.key = "static_fraction",
-       .member = &TrainOptions::static_fraction,
-       .low = 0,
-       .high = 1,
-       .doc = "Least share of the initial Gaussians of unknown motion that start static",
-       .source = "ours",
-       .group = group::kStart},
-      {.key = "carve",
-       .member = &TrainOptions::carve,
-       .low = 0,
-       .high = 1,
-       .doc = "Drop random points that no training camera sees",
-       .source = "[Faster-GS]",
-       .group = group::kStart},
-      {.key = "sweep",
-       .member = &TrainOptions::sweep,
-       .low = 0,
-       .high = 1,
-       .doc = "Without a point cloud, find points by a plane sweep where cameras share timesteps",
-       .source = "[Collins96]",
-       .group = group::kStart},
-      {.key = "split_by_motion",
-       .member = &TrainOptions::split_by_motion,
-       .low = 0,
-       .high = 1,
-       .doc = "Points whose pixel never changes start static, and as large a share of random ones",
-       .source = "ours",
-       .group = group::kStart},
-      {.key = "validation_share",
-       .member = &TrainOptions::validation_share,
-       .low = 0,
-       .high = 0.9,
-       .doc = "Share of the training views kept as validation views that choose the best model; 0: "
-              "the last model is kept",
-       .source = "ours",
-       .group = group::kValidation,
-       .common = true,
-       .example = "0.1"},
-      {.key = "validate_interval",
-       .member = &TrainOptions::validate_interval,
-       .low = 1,
-       .high = 1e9,
-       .doc = "Steps between two scores of the validation views",
-       .source = "ours",
-       .group = group::kValidation,
-       .unit = Unit::kCount},
-      {.key = "stop_patience",
-       .member = &TrainOptions::stop_patience,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Scores in a row without a gain of 0.02 dB after which training stops; 0: never",
-       .source = "ours",
-       .group = group::kValidation},
-      {.key = "sh_degree",
-       .member = &TrainOptions::sh_degree,
-       .low = 0,
-       .high = 3,
-       .doc = "Highest degree of the spherical harmonics (SH) of the colours",
-       .source = "[3DGS]",
-       .group = group::kModel,
-       .common = true,
-       .example = "2"},
-      {.key = "sh_interval",
-       .member = &TrainOptions::sh_interval,
-       .low = 1,
-       .high = 1e9,
-       .doc = "Steps after which one more SH degree is used",
-       .source = "[3DGS]",
-       .group = group::kModel,
-       .unit = Unit::kCount},
-      {.key = "sh_time_degree",
-       .member = &TrainOptions::sh_time_degree,
-       .low = 0,
-       .high = kMaxTimeLevels,
-       .doc = "Highest n of cos(2 pi n t / clip length) in the colours of dynamic Gaussians; 0: "
-              "colours do not change over time. One more is used every sh_interval steps",
-       .source = "[Yang24], which has 2",
-       .group = group::kModel},
-      {.key = "environment",
-       .member = &TrainOptions::environment,
-       .low = 0,
-       .high = 1,
-       .doc = "Learn an environment map behind the Gaussians; needs images without alpha",
-       .source = "[Yang24]",
-       .group = group::kModel},
-      {.key = "environment_size",
-       .member = &TrainOptions::environment_size,
-       .low = 2,
-       .high = 4096,
-       .doc = "Rows of the environment map; it has twice as many columns",
-       .source = "ours",
-       .group = group::kModel},
-      {.key = "sliced_direction",
-       .member = &TrainOptions::sliced_direction,
-       .low = 0,
-       .high = 1,
-       .doc = "Evaluate colours by the direction to the Gaussian at the view's time; no: to its "
-              "temporal mean position",
-       .source = "ours; [Yang24] and [Faster-GS] have false",
-       .group = group::kDrawing},
-      {.key = "filter_2d",
-       .member = &TrainOptions::filter_2d,
-       .low = 0,
-       .high = 1,
-       .doc = "2D Mip filter: widen splats by 0.1 px^2 and compensate the opacity; no: by 0.3 px^2 "
-              "without compensation",
-       .source = "[Mip-Splatting]",
-       .group = group::kDrawing},
-      {.key = "filter_3d",
-       .member = choice<&TrainOptions::filter_3d>(),
-       .doc =
-           "Limit Gaussians to the finest sampling of the training views: none; mip (smooth when "
-           "drawn); clamp (raise scales after each step)",
-       .source = "mip: [Mip-Splatting]; clamp: [Faster-GS]",
-       .group = group::kDrawing},
-      {.key = "truncation_sigma",
-       .member = &TrainOptions::truncation_sigma,
-       .low = 0.5,
-       .high = 6,
-       .doc = "k: opacity times falloff below exp(-k^2/2) is not drawn; 3.329 means 1/255",
-       .source = "[3DGS]",
-       .group = group::kDrawing},
-      {.key = "truncation_by_falloff",
-       .member = &TrainOptions::truncation_by_falloff,
-       .low = 0,
-       .high = 1,
-       .doc = "Compare the falloff alone with exp(-k^2/2), whatever the opacity",
-       .source = "[Faster-GS]",
-       .group = group::kDrawing},
-      {.key = "time_filter",
-       .member = &TrainOptions::time_filter,
-       .low = 0,
-       .high = 1e6,
-       .doc = "Variance, clip lengths^2, added to the temporal extent with which Gaussians fade",
-       .source = "[Yang24]",
-       .group = group::kDrawing},
-  };
+
+void OptionRows::add_model() {
+  group("Length");
+  number("iterations", &O::iterations, kSteps, "[3DGS]",
+         "Training steps; each uses one batch of views. Stretches the whole schedule")
+      .in_help("15k");
+  number("schedule_iterations", &O::schedule_iterations, kPositiveSteps, "ours",
+         "Length that other step counts refer to; they are scaled by iterations / this");
+  number("batch", &O::batch, {1, 1024, Unit::kCount}, "[Yang24]",
+         "Views (camera and time) per step")
+      .in_help("8");
+  number("seed", &O::seed, {0, 1e12}, "ours", "Seed of every random choice").in_help("2");
+
+  group("Scene");
+  choice<&O::motion>(
+      "motion", "[Yang24]; velocity: [FreeTimeGS]; nodes: ours, after [SC-GS]",
+      "How the scene moves: none (static Gaussians only, as 3DGS; all images count as one "
+      "timestep), pair (two quaternions and four scales of space-time), velocity (a 3D Gaussian "
+      "with a velocity and a temporal extent), nodes (one set of Gaussians that motion nodes "
+      "carry), auto (nodes or pair, by frames held out of a short trial)")
+      .in_help();
+  text("background", &O::background, "[Faster-GS]",
+       "Colour behind the scene: black, white or r,g,b (0-255)")
+      .in_help("255,255,255");
+  number("near_plane", &O::near_plane, kDistance, "[3DGS]",
+         "Nearest depth at which Gaussians are drawn; 0: half of the depth at which the training "
+         "cameras see the first points of the initial cloud");
+  number("far_plane", &O::far_plane, {1e-6, 1e12, Unit::kWorld}, "[Faster-GS]",
+         "Farthest depth at which Gaussians are drawn");
+  number("train_scale", &O::train_scale, {1e-3, 1}, "[Mip-Splatting]",
+         "Size of the training images relative to the scene's; areas are averaged")
+      .in_help("0.5");
+
+  group("Initial Gaussians");
+  number("init_points", &O::init_points, kGaussians, "[Yang24]",
+         "Initial Gaussians: at most so many points of the cloud, or so many random points")
+      .in_help("100k");
+  number("init_extent", &O::init_extent, kDistance, "[Faster-GS]",
+         "Half the side of the box of random points; 0: from the cameras");
+  number("init_opacity", &O::init_opacity, {1e-6, 0.999999}, "[3DGS]", "Initial opacity");
+  number("init_scale_factor", &O::init_scale_factor, {1e-6, 1e6}, "[3DGS]",
+         "Initial scale relative to the distance of a point to its neighbours");
+  number("init_time_scale", &O::init_time_scale, {1e-6, 1e6}, "[Yang24]",
+         "Initial temporal extent (standard deviation) in clip lengths");
+  number("static_fraction", &O::static_fraction, kShare, "ours",
+         "Least share of the initial Gaussians of unknown motion that start static");
+  on_off("carve", &O::carve, "[Faster-GS]", "Drop random points that no training camera sees");
+  on_off("sweep", &O::sweep, "[Collins96]",
+         "Without a point cloud, find points by a plane sweep where cameras share timesteps");
+  on_off("split_by_motion", &O::split_by_motion, "ours",
+         "Points whose pixel never changes start static, and as large a share of random ones");
+
+  group("Validation views");
+  number("validation_share", &O::validation_share, {0, 0.9}, "ours",
+         "Share of the training views kept as validation views that choose the best model; 0: the "
+         "last model is kept")
+      .in_help("0.1");
+  number("validate_interval", &O::validate_interval, kPositiveSteps, "ours",
+         "Steps between two scores of the validation views");
+  number("stop_patience", &O::stop_patience, {0, 1e9}, "ours",
+         "Scores in a row without a gain of 0.02 dB after which training stops; 0: never");
+
+  group("Model");
+  number("sh_degree", &O::sh_degree, {0, 3}, "[3DGS]",
+         "Highest degree of the spherical harmonics (SH) of the colours")
+      .in_help("2");
+  number("sh_interval", &O::sh_interval, kPositiveSteps, "[3DGS]",
+         "Steps after which one more SH degree is used");
+  number("sh_time_degree", &O::sh_time_degree, {0, kMaxTimeLevels}, "[Yang24], which has 2",
+         "Highest n of cos(2 pi n t / clip length) in the colours of dynamic Gaussians; 0: colours "
+         "do not change over time. One more is used every sh_interval steps");
+  on_off("environment", &O::environment, "[Yang24]",
+         "Learn an environment map behind the Gaussians; needs images without alpha");
+  number("environment_size", &O::environment_size, {2, 4096}, "ours",
+         "Rows of the environment map; it has twice as many columns");
+
+  group("Rendering");
+  on_off("sliced_direction", &O::sliced_direction, "ours; [Yang24] and [Faster-GS] have false",
+         "Evaluate colours by the direction to the Gaussian at the view's time; no: to its "
+         "temporal mean position");
+  on_off("filter_2d", &O::filter_2d, "[Mip-Splatting]",
+         "2D Mip filter: widen splats by 0.1 px^2 and compensate the opacity; no: by 0.3 px^2 "
+         "without compensation");
+  choice<&O::filter_3d>(
+      "filter_3d", "mip: [Mip-Splatting]; clamp: [Faster-GS]",
+      "Limit Gaussians to the finest sampling of the training views: none; mip (smooth when "
+      "drawn); clamp (raise scales after each step)");
+  number("truncation_sigma", &O::truncation_sigma, {0.5, 6}, "[3DGS]",
+         "k: opacity times falloff below exp(-k^2/2) is not drawn; 3.329 means 1/255");
+  on_off("truncation_by_falloff", &O::truncation_by_falloff, "[Faster-GS]",
+         "Compare the falloff alone with exp(-k^2/2), whatever the opacity");
+  number("time_filter", &O::time_filter, {0, 1e6}, "[Yang24]",
+         "Variance, clip lengths^2, added to the temporal extent with which Gaussians fade");
 }
 
 }  // namespace tessera

@@ -3,87 +3,31 @@
 
 namespace tessera {
 
-std::vector<TrainOption> motion_option_rows() {
-  return {
-      {.key = "motion_nodes",
-       .member = &TrainOptions::motion_nodes,
-       .low = 0,
-       .high = 1024,
-       .doc =
-           "Largest number of motion nodes, of --motion nodes; 0: 64, and 256 where --motion auto "
-           "has shown that more of them show more",
-       .source = "ours; [SC-GS] has 512",
-       .group = group::kMotion,
-       .unit = Unit::kCount},
-      {.key = "nodes_from",
-       .member = &TrainOptions::nodes_from,
-       .low = 0,
-       .high = 1e9,
-       .doc = "Step at which motion starts; until then the scene is static",
-       .source = "ours",
-       .group = group::kMotion,
-       .unit = Unit::kCount},
-      {.key = "node_knots",
-       .member = &TrainOptions::node_knots,
-       .low = 5,
-       .high = 256,
-       .doc =
-           "Largest number of control points of a node; they begin with 5, then nearly double, and "
-           "are at most one for four timesteps",
-       .source = "ours",
-       .group = group::kMotion},
-      {.key = "node_knot_interval",
-       .member = &TrainOptions::node_knot_interval,
-       .low = 1,
-       .high = 1e9,
-       .doc = "Steps after which nodes get more control points",
-       .source = "ours",
-       .group = group::kMotion,
-       .unit = Unit::kCount},
-      {.key = "lr_node_translation",
-       .member = &TrainOptions::lr_node_translation,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of the control points of translation at the start, per scene extent",
-       .source = "ours",
-       .group = group::kMotion},
-      {.key = "lr_node_rotation",
-       .member = &TrainOptions::lr_node_rotation,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of the control points of rotation at the start",
-       .source = "ours",
-       .group = group::kMotion},
-      {.key = "lr_node_decay",
-       .member = &TrainOptions::lr_node_decay,
-       .low = 1e-6,
-       .high = 1,
-       .doc = "Factor by which the learning rates of control points have fallen at the end",
-       .source = "ours",
-       .group = group::kMotion},
-      {.key = "lr_node_logit",
-       .member = &TrainOptions::lr_node_logit,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of the logits by which Gaussians weigh their nodes",
-       .source = "ours",
-       .group = group::kMotion},
-      {.key = "lr_node_radius",
-       .member = &TrainOptions::lr_node_radius,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of log radii of nodes",
-       .source = "ours",
-       .group = group::kMotion},
-      {.key = "node_acceleration",
-       .member = &TrainOptions::node_acceleration,
-       .low = 0,
-       .high = 1e6,
-       .doc = "Weight of the squared second differences of control points of translation, at 25 of "
-              "them; S of them have the (S / 25)^3-fold weight",
-       .source = "ours",
-       .group = group::kMotion},
-  };
+void OptionRows::add_motion() {
+  group("Motion nodes");
+  number("motion_nodes", &O::motion_nodes, {0, 1024, Unit::kCount}, "ours; [SC-GS] has 512",
+         "Largest number of motion nodes, of --motion nodes; 0: 64, and 256 where --motion auto "
+         "has shown that more of them show more");
+  number("nodes_from", &O::nodes_from, kSteps, "ours",
+         "Step at which motion starts; until then the scene is static");
+  number("node_knots", &O::node_knots, {5, 256}, "ours",
+         "Largest number of control points of a node; they begin with 5, then nearly double, and "
+         "are at most one for four timesteps");
+  number("node_knot_interval", &O::node_knot_interval, kPositiveSteps, "ours",
+         "Steps after which nodes get more control points");
+  number("lr_node_translation", &O::lr_node_translation, kRate, "ours",
+         "Learning rate of the control points of translation at the start, per scene extent");
+  number("lr_node_rotation", &O::lr_node_rotation, kRate, "ours",
+         "Learning rate of the control points of rotation at the start");
+  number("lr_node_decay", &O::lr_node_decay, {1e-6, 1}, "ours",
+         "Factor by which the learning rates of control points have fallen at the end");
+  number("lr_node_logit", &O::lr_node_logit, kRate, "ours",
+         "Learning rate of the logits by which Gaussians weigh their nodes");
+  number("lr_node_radius", &O::lr_node_radius, kRate, "ours",
+         "Learning rate of log radii of nodes");
+  number("node_acceleration", &O::node_acceleration, kWeight, "ours",
+         "Weight of the squared second differences of control points of translation, at 25 of "
+         "them; S of them have the (S / 25)^3-fold weight");
 }
 
 }  // namespace tessera

@@ -2,154 +2,57 @@
 #include "recon4d/options/option_rows.h"
 
 namespace tessera {
-std::vector<TrainOption> optimisation_option_rows() {
-  return {
-      {.key = "lambda_dssim",
-       .member = &TrainOptions::lambda_dssim,
-       .low = 0,
-       .high = 1,
-       .doc = "Weight of 1 - SSIM in the loss; the rest is L1",
-       .source = "[3DGS]",
-       .group = group::kLoss},
-      {.key = "moving_weight",
-       .member = &TrainOptions::moving_weight,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Weight that is added to the L1 of pixels that differ by more than 10 of 255 from "
-              "the median over time of their camera, where that stands still",
-       .source = "ours",
-       .group = group::kLoss},
-      {.key = "opacity_weight",
-       .member = &TrainOptions::opacity_weight,
-       .low = 0,
-       .high = 1e6,
-       .doc = "Weight of the mean opacity in the loss",
-       .source = "[3DGS-MCMC], which has 0.01",
-       .group = group::kLoss},
-      {.key = "scale_weight",
-       .member = &TrainOptions::scale_weight,
-       .low = 0,
-       .high = 1e6,
-       .doc = "Weight of the mean spatial scale in the loss, per world unit",
-       .source = "[3DGS-MCMC], which has 0.01",
-       .group = group::kLoss},
-      {.key = "exposure",
-       .member = choice<&TrainOptions::exposure>(),
-       .doc =
-           "Learn colours of the training images: none; camera (an RGB gain each); affine (a 3x3 "
-           "matrix and an offset each); frame (a gain per image); auto (camera where gains "
-           "differ by more than 3 %, else none). Scores and exports use the mean camera",
-       .source = "ours",
-       .group = group::kLoss,
-       .common = true},
-      {.key = "lr_exposure",
-       .member = &TrainOptions::lr_exposure,
-       .low = 0,
-       .high = 1e3,
-       .doc =
-           "Learning rate of log exposure gains at the start, ten times that of affine maps; falls "
-           "to a hundredth",
-       .source = "ours",
-       .group = group::kRates},
-      {.key = "lr_environment",
-       .member = &TrainOptions::lr_environment,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of the environment map",
-       .source = "[Yang24]",
-       .group = group::kRates},
-      {.key = "lr_mean",
-       .member = &TrainOptions::lr_mean,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of means at the start, per scene extent",
-       .source = "[3DGS]",
-       .group = group::kRates},
-      {.key = "lr_mean_final",
-       .member = &TrainOptions::lr_mean_final,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of means at the end, per scene extent",
-       .source = "[3DGS]",
-       .group = group::kRates},
-      {.key = "lr_mean_time",
-       .member = &TrainOptions::lr_mean_time,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of temporal means at the start, per scene extent",
-       .source = "[Yang24]",
-       .group = group::kRates},
-      {.key = "lr_scale",
-       .member = &TrainOptions::lr_scale,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of log scales",
-       .source = "[3DGS]",
-       .group = group::kRates},
-      {.key = "lr_scale_time",
-       .member = &TrainOptions::lr_scale_time,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of log temporal extents",
-       .source = "[Yang24]",
-       .group = group::kRates},
-      {.key = "lr_rotation",
-       .member = &TrainOptions::lr_rotation,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of quaternions",
-       .source = "[3DGS]",
-       .group = group::kRates},
-      {.key = "lr_velocity",
-       .member = &TrainOptions::lr_velocity,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of velocities at the start, per scene extent and clip length; decays "
-              "as lr_mean does",
-       .source = "ours",
-       .group = group::kRates},
-      {.key = "lr_opacity",
-       .member = &TrainOptions::lr_opacity,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of opacity logits",
-       .source = "[Yang24]; [3DGS] has 0.025",
-       .group = group::kRates},
-      {.key = "lr_sh",
-       .member = &TrainOptions::lr_sh,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of the first SH coefficient",
-       .source = "[3DGS]",
-       .group = group::kRates},
-      {.key = "lr_sh_rest",
-       .member = &TrainOptions::lr_sh_rest,
-       .low = 0,
-       .high = 1e3,
-       .doc = "Learning rate of the other SH coefficients",
-       .source = "[3DGS]",
-       .group = group::kRates},
-      {.key = "average_from",
-       .member = &TrainOptions::average_from,
-       .low = 0,
-       .high = 1,
-       .doc = "Share of the steps after which the parameters are averaged; the mean becomes the "
-              "model; 0: the last step is the model",
-       .source = "[Polyak92]",
-       .group = group::kRates},
-      {.key = "fused_optimizer",
-       .member = &TrainOptions::fused_optimizer,
-       .low = 0,
-       .high = 1,
-       .doc = "Run Adam inside the backward pass, without a gradient buffer",
-       .source = "[Faster-GS]",
-       .group = group::kRates},
-      {.key = "idle_updates",
-       .member = choice<&TrainOptions::idle_updates>(),
-       .doc = "Adam for Gaussians that no view of a step sees: dense (as for all others) or skip",
-       .source = "skip: [Taming]",
-       .group = group::kRates},
-  };
+
+void OptionRows::add_optimisation() {
+  group("Loss and exposure");
+  number("lambda_dssim", &O::lambda_dssim, kShare, "[3DGS]",
+         "Weight of 1 - SSIM in the loss; the rest is L1");
+  number("moving_weight", &O::moving_weight, {0, 1e3}, "ours",
+         "Weight that is added to the L1 of pixels that differ by more than 10 of 255 from the "
+         "median over time of their camera, where that stands still");
+  number("opacity_weight", &O::opacity_weight, kWeight, "[3DGS-MCMC], which has 0.01",
+         "Weight of the mean opacity in the loss");
+  number("scale_weight", &O::scale_weight, kWeight, "[3DGS-MCMC], which has 0.01",
+         "Weight of the mean spatial scale in the loss, per world unit");
+  choice<&O::exposure>(
+      "exposure", "ours",
+      "Learn colours of the training images: none; camera (an RGB gain each); affine (a 3x3 matrix "
+      "and an offset each); frame (a gain per image); auto (camera where gains differ by more than "
+      "3 %, else none). Scores and exports use the mean camera")
+      .in_help();
+
+  group("Optimiser");
+  number("lr_exposure", &O::lr_exposure, kRate, "ours",
+         "Learning rate of log exposure gains at the start, ten times that of affine maps; falls "
+         "to a hundredth");
+  number("lr_environment", &O::lr_environment, kRate, "[Yang24]",
+         "Learning rate of the environment map");
+  number("lr_mean", &O::lr_mean, kRate, "[3DGS]",
+         "Learning rate of means at the start, per scene extent");
+  number("lr_mean_final", &O::lr_mean_final, kRate, "[3DGS]",
+         "Learning rate of means at the end, per scene extent");
+  number("lr_mean_time", &O::lr_mean_time, kRate, "[Yang24]",
+         "Learning rate of temporal means at the start, per scene extent");
+  number("lr_scale", &O::lr_scale, kRate, "[3DGS]", "Learning rate of log scales");
+  number("lr_scale_time", &O::lr_scale_time, kRate, "[Yang24]",
+         "Learning rate of log temporal extents");
+  number("lr_rotation", &O::lr_rotation, kRate, "[3DGS]", "Learning rate of quaternions");
+  number("lr_velocity", &O::lr_velocity, kRate, "ours",
+         "Learning rate of velocities at the start, per scene extent and clip length; decays as "
+         "lr_mean does");
+  number("lr_opacity", &O::lr_opacity, kRate, "[Yang24]; [3DGS] has 0.025",
+         "Learning rate of opacity logits");
+  number("lr_sh", &O::lr_sh, kRate, "[3DGS]", "Learning rate of the first SH coefficient");
+  number("lr_sh_rest", &O::lr_sh_rest, kRate, "[3DGS]",
+         "Learning rate of the other SH coefficients");
+  number("average_from", &O::average_from, kShare, "[Polyak92]",
+         "Share of the steps after which the parameters are averaged; the mean becomes the model; "
+         "0: the last step is the model");
+  on_off("fused_optimizer", &O::fused_optimizer, "[Faster-GS]",
+         "Run Adam inside the backward pass, without a gradient buffer");
+  choice<&O::idle_updates>(
+      "idle_updates", "skip: [Taming]",
+      "Adam for Gaussians that no view of a step sees: dense (as for all others) or skip");
 }
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// Sets options by name with the checks of their table, checks conditions between options, joins the
-// table from its parts, and converts options to switches of kernels.
+// Sets options by name with the checks of their table, checks conditions between options, and
+// converts options to switches of kernels.
 #include "recon4d/options/train_options.h"
 
 #include <fmt/format.h>
@@ -235,12 +235,7 @@ SetForm dynamic_form(const TrainOptions& options) {
 }
 
 const std::vector<TrainOption>& train_option_table() {
-  static const std::vector<TrainOption> table = [] {
-    std::vector<TrainOption> rows = model_option_rows();
-    for (const auto part : {motion_option_rows, optimisation_option_rows, growth_option_rows})
-      for (TrainOption& row : part()) rows.push_back(std::move(row));
-    return rows;
-  }();
+  static const std::vector<TrainOption> table = OptionRows::all();
   return table;
 }
 
