@@ -11,12 +11,15 @@
 #include <vector>
 
 #include "kernels/base/camera.h"
+#include "kernels/base/enum_names.h"
 #include "kernels/base/similarity.h"
 
 namespace tessera {
 
 /// kValidation: training frames by which a training chooses its model; no file states this split.
 enum class Split { kTrain, kVal, kTest, kValidation };
+template <>
+inline constexpr const char* kEnumNames<Split>[] = {"train", "val", "test", "aside"};
 
 /// 8-bit interleaved image, row-major, top row first.
 struct Image8 {

@@ -4,9 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "kernels/base/enum_names.h"
+
 namespace tessera {
 
 enum class Severity { kInfo, kWarning, kError };
+template <>
+inline constexpr const char* kEnumNames<Severity>[] = {"info", "warning", "error"};
 
 struct Finding {
   Severity severity = Severity::kInfo;

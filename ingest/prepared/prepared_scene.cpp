@@ -26,9 +26,8 @@ ordered_json frame_json(const CaptureFrame& prepared) {
   matrix.push_back({0.0, 0.0, 0.0, 1.0});
   ordered_json tessera{{"camera", frame.camera_name}, {"frame", frame.frame_number}};
   if (prepared.ticks) tessera["ticks"] = *prepared.ticks;
-  constexpr const char* kSplitNames[] = {"train", "val", "test"};
   ordered_json file{{"file_path", prepared.file_path},
-                    {"split", kSplitNames[int(frame.split)]},
+                    {"split", name_of(frame.split)},
                     {"time", frame.time},
                     {"w", camera.width},
                     {"h", camera.height},

@@ -34,16 +34,12 @@ constexpr std::array<SplitFile, 3> kSplitFiles{{{"transforms_train.json", Split:
                                                 {"transforms_val.json", Split::kVal},
                                                 {"transforms_test.json", Split::kTest}}};
 
-std::string split_name(Split split) {
-  return split == Split::kTrain ? "train" : split == Split::kVal ? "val" : "test";
-}
-
 /// `split` of the frame, else Nerfstudio's lists of file names, else what the file stands for.
 Split split_of(const json& frame, const json& file, Split split_of_file, const std::string& where) {
   const std::string stated = string_at(frame, "split", where);
   for (const SplitFile& candidate : kSplitFiles) {
-    if (stated == split_name(candidate.split)) return candidate.split;
-    const auto list = file.find(split_name(candidate.split) + "_filenames");
+    if (stated == name_of(candidate.split)) return candidate.split;
+    const auto list = file.find(fmt::format("{}_filenames", name_of(candidate.split)));
     if (stated.empty() && list != file.end() && list->is_array() &&
         std::find(list->begin(), list->end(), frame["file_path"]) != list->end())
       return candidate.split;
@@ -105,7 +101,7 @@ TransformsFrame parse_frame(const json& entry, const json& file, const StatedInt
   set_pose(frame.camera, pose_rows(entry, frame.where), frame.where);
   const size_t slash = frame.name.rfind('/');
   frame.camera_name = slash == std::string::npos
-                          ? split_name(frame.split)
+                          ? name_of(frame.split)
                           : std::filesystem::path(frame.name.substr(0, slash)).filename().string();
   frame.frame_number = -1;  // counted once all frames are known
   if (const auto made_by_us = entry.find("tessera"); made_by_us != entry.end()) {
@@ -159,7 +155,7 @@ void make_names_unique(TransformsCapture& capture) {
   std::set<std::string> taken;
   for (TransformsFrame& frame : capture.frames) {
     if (taken.insert(frame.name).second) continue;
-    frame.name += fmt::format("@{}", split_name(frame.split));
+    frame.name += fmt::format("@{}", name_of(frame.split));
     if (!taken.insert(frame.name).second)
       throw InputError(fmt::format("{}: the image is listed twice; remove one entry", frame.where));
   }

@@ -49,7 +49,7 @@ std::vector<int> scored_frames(const Scene& scene, Split split) {
   std::vector<int> indices = scene.split_indices(split);
   if (indices.empty())
     throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
-                                 scene.path, split_name(split)));
+                                 scene.path, name_of(split)));
   std::erase_if(indices, [&](int i) {
     const std::vector<uint8_t>& mask = scene.frames[size_t(i)].mask.data();
     return !mask.empty() && std::all_of(mask.begin(), mask.end(), [](uint8_t m) { return m == 0; });
@@ -58,7 +58,7 @@ std::vector<int> scored_frames(const Scene& scene, Split split) {
     throw InputError(fmt::format(
         "{}: the masks of split '{}' ignore every pixel (0: ignored); turn them with `tessera "
         "ingest --invert-masks`, or choose another split",
-        scene.path, split_name(split)));
+        scene.path, name_of(split)));
   return indices;
 }
 
@@ -251,20 +251,6 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
                           const ScoredCallback& scored) {
   check(options.batch >= 1, "evaluate: a batch of at least one view");
   return SplitScorer(backend, model, scene, split, options).report(scored);
-}
-
-const char* split_name(Split split) {
-  switch (split) {
-    case Split::kTrain:
-      return "train";
-    case Split::kVal:
-      return "val";
-    case Split::kTest:
-      return "test";
-    case Split::kValidation:
-      return "aside";
-  }
-  return "";
 }
 
 }  // namespace tessera

@@ -90,8 +90,6 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
                           Split split, const EvaluateOptions& options,
                           const ScoredCallback& scored = {});
 
-const char* split_name(Split split);  // "train", "val", "test"
-
 /// psnr, psnr_float, psnr_of_mean_mse, ssim (reflect), ssim_zero, ssim_inside, ssim_inside_range2,
 /// ms_ssim, dssim, lpips, psnr_dynamic, psnr_static, psnr_fit, psnr_fit_dynamic, psnr_fit_static,
 /// dynamic_weight_inside, moving_pixels_covered, definitions, num_gaussians, num_static,

@@ -168,7 +168,7 @@ json to_json(const EvaluationReport& report, const GaussianModel& model) {
   object["num_static"] = model.static_set.count();
   object["num_dynamic"] = model.dynamic_set.count();
   object["bytes"] = or_null(report.bytes);
-  object["split"] = split_name(report.split);
+  object["split"] = name_of(report.split);
   object["background"] = model.background;
   object["width"] = shared_size(report.views, &ViewScore::width);
   object["height"] = shared_size(report.views, &ViewScore::height);

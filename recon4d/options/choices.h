@@ -1,10 +1,10 @@
-// Options of enumerations, and the one table of the names of their values.
+// Options of enumerations, and the names of their values.
 #pragma once
-#include <cstddef>
 #include <cstdint>
 #include <iterator>
 #include <vector>
 
+#include "kernels/base/enum_names.h"
 #include "kernels/batch.h"
 #include "kernels/gaussians.h"
 
@@ -23,32 +23,25 @@ enum class Densification { kAdc, kBudget, kMcmc };
 enum class GrowthPart { kNone, kLongAxisSplit, kGrowthBudget, kWeightedDraw, kAbsoluteGradient };
 enum class ModelSize { kGrown, kKnee };
 
-/// Names of the values of an enumeration, in their order.
-template <class Enum>
-inline constexpr std::nullptr_t kChoiceNames = nullptr;
 template <>
-inline constexpr const char* kChoiceNames<Motion>[] = {"auto", "none", "pair", "velocity", "nodes"};
+inline constexpr const char* kEnumNames<Motion>[] = {"auto", "none", "pair", "velocity", "nodes"};
 template <>
-inline constexpr const char* kChoiceNames<Filter3d>[] = {"none", "mip", "clamp"};
+inline constexpr const char* kEnumNames<Filter3d>[] = {"none", "mip", "clamp"};
 template <>
-inline constexpr const char* kChoiceNames<ExposureGains>[] = {"none", "camera", "affine", "frame",
-                                                              "auto"};
+inline constexpr const char* kEnumNames<ExposureGains>[] = {"none", "camera", "affine", "frame",
+                                                            "auto"};
 template <>
-inline constexpr const char* kChoiceNames<IdleUpdate>[] = {"dense", "skip"};
+inline constexpr const char* kEnumNames<IdleUpdate>[] = {"dense", "skip"};
 template <>
-inline constexpr const char* kChoiceNames<Densification>[] = {"adc", "budget", "mcmc"};
+inline constexpr const char* kEnumNames<Densification>[] = {"adc", "budget", "mcmc"};
 template <>
-inline constexpr const char* kChoiceNames<GrowthPart>[] = {
-    "none", "long-axis-split", "growth-budget", "weighted-draw", "absolute-gradient"};
+inline constexpr const char* kEnumNames<GrowthPart>[] = {"none", "long-axis-split", "growth-budget",
+                                                         "weighted-draw", "absolute-gradient"};
 template <>
-inline constexpr const char* kChoiceNames<ModelSize>[] = {"grown", "knee"};
+inline constexpr const char* kEnumNames<ModelSize>[] = {"grown", "knee"};
 template <>
-inline constexpr const char* kChoiceNames<BackwardForm>[] = {"sub-tile", "pixel"};
+inline constexpr const char* kEnumNames<BackwardForm>[] = {"sub-tile", "pixel"};
 
-template <class Enum>
-constexpr const char* name_of(Enum value) {
-  return kChoiceNames<Enum>[size_t(value)];
-}
 /// Form of the dynamic set.
 constexpr SetForm dynamic_form_of(Motion motion) {
   return motion == Motion::kVelocity ? SetForm::kVelocity : SetForm::kPair;
@@ -59,7 +52,7 @@ constexpr const char* dynamic_form_name(SetForm form) {
 }
 template <class Enum>
 std::vector<const char*> choice_names() {
-  return {std::begin(kChoiceNames<Enum>), std::end(kChoiceNames<Enum>)};
+  return {std::begin(kEnumNames<Enum>), std::end(kEnumNames<Enum>)};
 }
 
 }  // namespace tessera

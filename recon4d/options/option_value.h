@@ -6,6 +6,8 @@
 #include <string>
 #include <variant>
 
+#include "kernels/base/enum_names.h"
+
 namespace tessera {
 
 using OptionValue = std::variant<bool, int64_t, double, std::string>;
@@ -25,6 +27,8 @@ enum class Unit {
   kSeconds,  // h, m, s, ms, also together: 1h30m
   kWorld     // world units: none
 };
+template <>
+inline constexpr const char* kEnumNames<Unit>[] = {"", "count", "bytes", "seconds", "world units"};
 
 /// The number that `text` states, as "1500", "1.5k" or "5MB"; none where it is not one of this
 /// unit. Blanks may stand before the letters, which count without regard to case, but for m

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "kernels/base/enum_names.h"
+
 namespace tessera {
 
 struct BatchFailure {
@@ -24,6 +26,8 @@ struct BatchFailure {
 };
 
 enum class RunState { kMissing, kDone, kFailed };
+template <>
+inline constexpr const char* kEnumNames<RunState>[] = {"missing", "done", "failed"};
 
 struct BatchRun {
   std::string scene, preset;

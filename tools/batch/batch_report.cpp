@@ -36,18 +36,6 @@ std::string player_of(const BatchFolder& batch, const BatchRun& run) {
   return "";
 }
 
-const char* state_name(RunState state) {
-  switch (state) {
-    case RunState::kDone:
-      return "done";
-    case RunState::kFailed:
-      return "failed";
-    case RunState::kMissing:
-      return "missing";
-  }
-  return "";
-}
-
 /// Everything that is known of one run.
 json describe_run(const BatchFolder& batch, const BatchRun& run, std::vector<std::string>& notes) {
   const json metrics = read_object(run.folder / "metrics.json", notes);
@@ -56,7 +44,7 @@ json describe_run(const BatchFolder& batch, const BatchRun& run, std::vector<std
   json entry = {{"scene", run.scene},
                 {"preset", run.preset},
                 {"seed", run.seed},
-                {"state", state_name(run.state)},
+                {"state", name_of(run.state)},
                 {"folder", run.folder.lexically_relative(batch.root).string()},
                 {"player", player_of(batch, run)}};
   if (!run.error.empty()) entry["error"] = run.error;

@@ -46,7 +46,7 @@ std::string folder_fingerprint(const fs::path& folder) {
 
 bool is_split(const std::string& text) {
   return std::any_of(std::begin(kSplits), std::end(kSplits),
-                     [&](Split split) { return text == split_name(split); });
+                     [&](Split split) { return text == name_of(split); });
 }
 
 /// "dnerf_lego" of ".../dnerf_lego/".
@@ -72,13 +72,13 @@ BenchScene open_bench_scene(const std::string& text) {
   const Scene loaded = load_scene(scene.path, options);
   for (Split split : kSplits)
     if (scene.split.empty() && split != Split::kTrain && !loaded.split_indices(split).empty())
-      scene.split = split_name(split);
+      scene.split = name_of(split);
   if (scene.split.empty())
     throw InputError(
         fmt::format("{}: no frames are held out; score those of training with {}:train",
                     scene.path.string(), scene.path.string()));
   for (Split split : kSplits)
-    if (scene.split == split_name(split) && loaded.split_indices(split).empty())
+    if (scene.split == name_of(split) && loaded.split_indices(split).empty())
       throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
                                    scene.path.string(), scene.split));
   scene.name = folder_name(scene.path);

@@ -37,7 +37,7 @@ using Clock = std::chrono::steady_clock;
 
 Split split_of(const std::string& name) {
   for (Split split : {Split::kTest, Split::kVal})
-    if (name == split_name(split)) return split;
+    if (name == name_of(split)) return split;
   return Split::kTrain;
 }
 

@@ -73,7 +73,7 @@ json describe_transforms(const fs::path& folder) {
   std::map<std::string, int64_t> splits;
   for (const TransformsFrame& frame : capture.frames) {
     cameras.insert(frame.camera_name);
-    ++splits[split_name(frame.split)];
+    ++splits[name_of(frame.split)];
   }
   info["splits"] = splits;
   info["cameras"] = cameras.size();

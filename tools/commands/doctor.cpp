@@ -26,11 +26,6 @@
 namespace tessera {
 namespace {
 
-const char* severity_name(Severity severity) {
-  constexpr const char* kNames[] = {"info", "warning", "error"};
-  return kNames[int(severity)];
-}
-
 Findings sorted(Findings findings) {
   std::stable_sort(findings.begin(), findings.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
@@ -51,7 +46,7 @@ std::string doctor_text(const DoctorReport& report) {
   std::string text;
   for (const std::string& line : camera_table_lines(report.cameras)) text += line + '\n';
   for (const Finding& finding : sorted(report.findings)) {
-    text += fmt::format("{:<7}  {:<8}  ", severity_name(finding.severity), finding.check);
+    text += fmt::format("{:<7}  {:<8}  ", name_of(finding.severity), finding.check);
     if (!finding.camera.empty()) text += finding.camera + ": ";
     text += finding.measured;
     if (!finding.advice.empty()) text += ": " + finding.advice;
@@ -65,7 +60,7 @@ std::string doctor_text(const DoctorReport& report) {
 nlohmann::json doctor_json(const DoctorReport& report) {
   nlohmann::json findings = nlohmann::json::array();
   for (const Finding& finding : sorted(report.findings))
-    findings.push_back({{"severity", severity_name(finding.severity)},
+    findings.push_back({{"severity", name_of(finding.severity)},
                         {"check", finding.check},
                         {"camera", finding.camera},
                         {"measured", finding.measured},

@@ -132,7 +132,7 @@ json score_at(Scoring& scoring, double scale, const Scene& scene) {
           write_image_png(
               scoring.images->path(image_folder(scoring.request, scale) + frame.name + ".png"),
               image);
-        bar.update(done, total, fmt::format("{} {:.2f} dB", split_name(frame.split), view.psnr));
+        bar.update(done, total, fmt::format("{} {:.2f} dB", name_of(frame.split), view.psnr));
       },
       options);
 }

@@ -19,22 +19,6 @@ const char* type_of(const TrainOption& row) {
   return std::holds_alternative<double TrainOptions::*>(row.member) ? "number" : "whole";
 }
 
-const char* unit_of(const TrainOption& row) {
-  switch (row.unit) {
-    case Unit::kCount:
-      return "count";
-    case Unit::kBytes:
-      return "bytes";
-    case Unit::kSeconds:
-      return "seconds";
-    case Unit::kWorld:
-      return "world units";
-    case Unit::kNone:
-      break;
-  }
-  return "";
-}
-
 json row_json(const TrainOption& row) {
   json defaults = json::object();
   for (const Preset& preset : presets()) {
@@ -42,7 +26,7 @@ json row_json(const TrainOption& row) {
     apply_preset(options, preset.name);
     defaults[preset.name] = to_json(option_value(options, row));
   }
-  json object = {{"key", row.key},          {"type", type_of(row)},   {"unit", unit_of(row)},
+  json object = {{"key", row.key},          {"type", type_of(row)},   {"unit", name_of(row.unit)},
                  {"doc", row.doc},          {"group", row.group},     {"source", row.source},
                  {"common", row.common},    {"example", row.example}, {"defaults", defaults},
                  {"choices", row.choices()}};

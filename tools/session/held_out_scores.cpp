@@ -58,7 +58,7 @@ nlohmann::json score_splits(Backend& backend, const GaussianModel& model, const 
     report.bytes = bytes;
     const nlohmann::json scores = to_json(report, model);
     if (all.empty()) result = scores;
-    all[split_name(split)] = scores;
+    all[name_of(split)] = scores;
   }
   if (!all.empty()) result["splits"] = all;
   return result;
