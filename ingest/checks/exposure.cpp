@@ -14,39 +14,6 @@ namespace {
 constexpr double kVisible = 0.05;     // of a gain: 6 levels at half white
 constexpr double kMatchResidual = 6;  // pixels: matches that are farther off are not matches
 
-}  // namespace
-
-std::vector<CameraGain> fit_exposure(const MatchedStations& matched) {
-  std::vector<std::string> names;
-  std::vector<int> place;  // [stations] among those that train, −1: held out
-  for (const Station& station : matched.stations) {
-    place.push_back(station.split == Split::kTrain ? int(names.size()) : -1);
-    if (station.split == Split::kTrain) names.push_back(station.name);
-  }
-  std::vector<ColourPair> colours;
-  for (const StationPair& pair : matched.pairs) {
-    const int a = place[size_t(pair.a)], b = place[size_t(pair.b)];
-    if (a < 0 || b < 0) continue;
-    for (const FeatureMatch& match : pair.matches)
-      if (match.residual < kMatchResidual)
-        colours.push_back({a, b, colour_at(matched.images[size_t(pair.a)], match.ax, match.ay),
-                           colour_at(matched.images[size_t(pair.b)], match.bx, match.by)});
-  }
-  return fit_gains(names, colours);
-}
-
-void apply_exposure(Image8& image, const std::array<double, 3>& gain) {
-  const auto channels = size_t(image.channels);
-  const double grey = (gain[0] + gain[1] + gain[2]) / 3;
-  for (size_t p = 0; p < image.data.size(); p += channels)
-    for (size_t k = 0; k < (channels == 1 ? 1 : 3); ++k) {
-      const double value = image.data[p + k] / (channels == 1 ? grey : gain[k]);
-      image.data[p + k] = uint8_t(std::clamp(std::lround(value), 0L, 255L));
-    }
-}
-
-namespace {
-
 /// Mean of the image by channel, 8-bit values.
 std::array<double, 3> mean_colour(const Image8& image) {
   std::array<double, 3> sum{};
@@ -104,6 +71,35 @@ void compare_with_median(std::vector<CameraGain>& gains) {
 }
 
 }  // namespace
+
+std::vector<CameraGain> fit_exposure(const MatchedStations& matched) {
+  std::vector<std::string> names;
+  std::vector<int> place;  // [stations] among those that train, −1: held out
+  for (const Station& station : matched.stations) {
+    place.push_back(station.split == Split::kTrain ? int(names.size()) : -1);
+    if (station.split == Split::kTrain) names.push_back(station.name);
+  }
+  std::vector<ColourPair> colours;
+  for (const StationPair& pair : matched.pairs) {
+    const int a = place[size_t(pair.a)], b = place[size_t(pair.b)];
+    if (a < 0 || b < 0) continue;
+    for (const FeatureMatch& match : pair.matches)
+      if (match.residual < kMatchResidual)
+        colours.push_back({a, b, colour_at(matched.images[size_t(pair.a)], match.ax, match.ay),
+                           colour_at(matched.images[size_t(pair.b)], match.bx, match.by)});
+  }
+  return fit_gains(names, colours);
+}
+
+void apply_exposure(Image8& image, const std::array<double, 3>& gain) {
+  const auto channels = size_t(image.channels);
+  const double grey = (gain[0] + gain[1] + gain[2]) / 3;
+  for (size_t p = 0; p < image.data.size(); p += channels)
+    for (size_t k = 0; k < (channels == 1 ? 1 : 3); ++k) {
+      const double value = image.data[p + k] / (channels == 1 ? grey : gain[k]);
+      image.data[p + k] = uint8_t(std::clamp(std::lround(value), 0L, 255L));
+    }
+}
 
 ExposureCheck check_exposure(const MatchedStations& matched) {
   ExposureCheck check{fit_exposure(matched), {}};

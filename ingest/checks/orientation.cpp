@@ -73,10 +73,6 @@ glm::dvec3 common_up(const std::vector<Station>& cameras) {
   return best;
 }
 
-}  // namespace
-
-namespace {
-
 /// `degrees`: clockwise turn of the images. The filter, unlike the rotation flag, is the same in
 /// all versions of FFmpeg.
 Finding turned_finding(const CameraRoll& roll, size_t upright, size_t all) {

@@ -82,6 +82,44 @@ std::map<std::string, double> frame_seconds_of(const Scene& scene) {
   return seconds;
 }
 
+constexpr double kVague = 0.25;  // frames, as where the preparation warns
+
+struct VagueClock {
+  const RecordedClock* clock;
+  double frames;  // its standard error
+};
+
+std::string done_with(const RecordedClock& clock) {
+  return clock.offset == 0 ? std::string("it was left at 0")
+                           : fmt::format("it was set by {:+.4f} s", clock.offset);
+}
+
+/// One finding, however many cameras: what can be done about it is the same for all.
+Finding vague_finding(const std::vector<VagueClock>& vague) {
+  const char* const advice = "state the clocks with --offsets FILE, or film a clap that all see";
+  const RecordedClock& first = *vague.front().clock;
+  if (vague.size() == 1)
+    return {Severity::kWarning, "sync", first.camera,
+            fmt::format("its clock is only known to {:.4f} s, {:.2f} of a frame; {}",
+                        first.uncertainty, vague.front().frames, done_with(first)),
+            advice};
+  std::vector<std::string> names;
+  double seconds = 0, frames = 0;
+  bool moved = false;
+  for (const VagueClock& one : vague) {
+    names.push_back(one.clock->camera);
+    seconds = std::max(seconds, one.clock->uncertainty);
+    frames = std::max(frames, one.frames);
+    moved = moved || one.clock->offset != 0;
+  }
+  return {Severity::kWarning, "sync", "",
+          fmt::format("the clocks of {} are only known to {:.4f} s, {:.2f} of a frame, or better; "
+                      "{}",
+                      listed_names(names), seconds, frames,
+                      moved ? "they were set by what was measured" : "they were left at 0"),
+          advice};
+}
+
 }  // namespace
 
 SceneTimes check_times(const Scene& scene, bool in_seconds) {
@@ -142,48 +180,6 @@ double dynamic_share(const Scene& scene) {
   }
   return stations == 0 ? -1 : sum / double(stations);
 }
-
-namespace {
-
-constexpr double kVague = 0.25;  // frames, as where the preparation warns
-
-struct VagueClock {
-  const RecordedClock* clock;
-  double frames;  // its standard error
-};
-
-std::string done_with(const RecordedClock& clock) {
-  return clock.offset == 0 ? std::string("it was left at 0")
-                           : fmt::format("it was set by {:+.4f} s", clock.offset);
-}
-
-/// One finding, however many cameras: what can be done about it is the same for all.
-Finding vague_finding(const std::vector<VagueClock>& vague) {
-  const char* const advice = "state the clocks with --offsets FILE, or film a clap that all see";
-  const RecordedClock& first = *vague.front().clock;
-  if (vague.size() == 1)
-    return {Severity::kWarning, "sync", first.camera,
-            fmt::format("its clock is only known to {:.4f} s, {:.2f} of a frame; {}",
-                        first.uncertainty, vague.front().frames, done_with(first)),
-            advice};
-  std::vector<std::string> names;
-  double seconds = 0, frames = 0;
-  bool moved = false;
-  for (const VagueClock& one : vague) {
-    names.push_back(one.clock->camera);
-    seconds = std::max(seconds, one.clock->uncertainty);
-    frames = std::max(frames, one.frames);
-    moved = moved || one.clock->offset != 0;
-  }
-  return {Severity::kWarning, "sync", "",
-          fmt::format("the clocks of {} are only known to {:.4f} s, {:.2f} of a frame, or better; "
-                      "{}",
-                      listed_names(names), seconds, frames,
-                      moved ? "they were set by what was measured" : "they were left at 0"),
-          advice};
-}
-
-}  // namespace
 
 Findings check_clocks(const Scene& scene, const std::vector<RecordedClock>& clocks) {
   const auto frame_seconds = frame_seconds_of(scene);

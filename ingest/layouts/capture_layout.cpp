@@ -113,6 +113,29 @@ bool is_sequences(std::optional<ImageLayout> image_layout) {
   return image_layout && *image_layout != ImageLayout::kPhotos;
 }
 
+/// Whether it is stated where the photos of the capture's COLMAP model lie.
+bool states_photos(const fs::path& capture, const IngestOptions& options) {
+  if (options.images.empty() || options.image_layout || !fs::is_directory(capture)) return false;
+  if (!options.poses.source.empty() && options.poses.source != "colmap") return false;
+  const bool is_n3dv = !videos_in(capture).empty() && fs::exists(capture / "poses_bounds.npy");
+  return !is_n3dv && !has_transforms(capture) && !find_colmap_model(capture).empty();
+}
+
+/// Whether `folder` is read as a capture, or could be with a statement of how. What cannot be read
+/// is none.
+bool is_capture(const fs::path& folder, std::optional<ImageLayout> image_layout) {
+  try {
+    detect_layout(folder, image_layout);
+    return true;
+  } catch (const AmbiguousCapture&) {
+    return true;
+  } catch (const InputError&) {
+    return false;
+  } catch (const fs::filesystem_error&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageLayout> image_layout) {
@@ -142,18 +165,6 @@ CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageLayout> 
       "(in images or beside each other) in it; name the folder that holds the capture",
       capture.string()));
 }
-
-namespace {
-
-/// Whether it is stated where the photos of the capture's COLMAP model lie.
-bool states_photos(const fs::path& capture, const IngestOptions& options) {
-  if (options.images.empty() || options.image_layout || !fs::is_directory(capture)) return false;
-  if (!options.poses.source.empty() && options.poses.source != "colmap") return false;
-  const bool is_n3dv = !videos_in(capture).empty() && fs::exists(capture / "poses_bounds.npy");
-  return !is_n3dv && !has_transforms(capture) && !find_colmap_model(capture).empty();
-}
-
-}  // namespace
 
 CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
   const std::string& poses = options.poses.source;
@@ -232,25 +243,6 @@ std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {
   std::sort(found.begin(), found.end());
   return found;
 }
-
-namespace {
-
-/// Whether `folder` is read as a capture, or could be with a statement of how. What cannot be read
-/// is none.
-bool is_capture(const fs::path& folder, std::optional<ImageLayout> image_layout) {
-  try {
-    detect_layout(folder, image_layout);
-    return true;
-  } catch (const AmbiguousCapture&) {
-    return true;
-  } catch (const InputError&) {
-    return false;
-  } catch (const fs::filesystem_error&) {
-    return false;
-  }
-}
-
-}  // namespace
 
 std::vector<std::string> captures_in(const fs::path& folder,
                                      std::optional<ImageLayout> image_layout) {

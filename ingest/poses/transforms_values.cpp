@@ -52,12 +52,6 @@ void refuse_coefficient(const Lens& lens, double Lens::*member, const char* key,
                                  lens.*member, kind, kRemedy));
 }
 
-}  // namespace
-
-using nlohmann::json;
-
-namespace {
-
 std::optional<int> pixels_at(const json& object, const char* key, const std::string& where) {
   const auto value = finite_number(object, key, where);
   if (!value) return std::nullopt;

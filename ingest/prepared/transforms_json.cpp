@@ -216,10 +216,6 @@ void check_prepared(const TransformsCapture& capture) {
           frame.where, *frame.time));
 }
 
-}  // namespace
-
-namespace {
-
 /// COLMAP's poses beside a transforms file are not read, nor is their protocol of test views.
 void warn_of_unread_model(const std::filesystem::path& folder, TransformsCapture& capture) {
   const std::filesystem::path model = find_colmap_model(folder);

@@ -18,6 +18,21 @@ NodeSpans<T> spans_of(Self& nodes) {
           nodes.rotation.value.span()};
 }
 
+GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set, GaussianSet dynamic_set,
+                        MotionNodes nodes, EnvironmentLight environment) {
+  GaussianModel model;
+  model.nodes = std::move(nodes);
+  model.environment = std::move(environment);
+  model.static_set = std::move(static_set);
+  model.dynamic_set = std::move(dynamic_set);
+  model.drawing = like.drawing;
+  model.time_axis = like.time_axis;
+  model.prepared_from_source = like.prepared_from_source;
+  model.background = like.background;
+  model.train_scale = like.train_scale;
+  return model;
+}
+
 }  // namespace
 
 void MotionNodes::resize(int64_t nodes, int control_points) {
@@ -160,25 +175,6 @@ EnvironmentLight EnvironmentLight::clone_to(Memory& memory, bool moments) const 
   copy.map.moment2.copy_from(map.moment2);
   return copy;
 }
-
-namespace {
-
-GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set, GaussianSet dynamic_set,
-                        MotionNodes nodes, EnvironmentLight environment) {
-  GaussianModel model;
-  model.nodes = std::move(nodes);
-  model.environment = std::move(environment);
-  model.static_set = std::move(static_set);
-  model.dynamic_set = std::move(dynamic_set);
-  model.drawing = like.drawing;
-  model.time_axis = like.time_axis;
-  model.prepared_from_source = like.prepared_from_source;
-  model.background = like.background;
-  model.train_scale = like.train_scale;
-  return model;
-}
-
-}  // namespace
 
 GaussianModel GaussianModel::clone_to(Memory& memory) const {
   return with_sets(*this, static_set.clone_to(memory), dynamic_set.clone_to(memory),

@@ -152,6 +152,29 @@ std::vector<float> rows_of(const std::filesystem::path& path, const PlyFile& fil
   return values;
 }
 
+EnvironmentLight read_environment(const std::filesystem::path& path, const PlyFile& file) {
+  EnvironmentLight environment;
+  const auto numbers =
+      numbers_if_any(path, file.comments, kEnvironmentElement, 1 + kSimilarityNumbers);
+  if (numbers.empty()) return environment;
+  const PlyElement* const element = file.find(kEnvironmentElement);
+  const bool plausible = numbers[0] >= 1 && numbers[0] <= 1 << 16;
+  environment.height = plausible ? int(numbers[0]) : 0;
+  const int64_t scalars = environment_scalars(environment.height);
+  if (!plausible || element == nullptr || 3 * element->rows != scalars)
+    throw InputError(
+        fmt::format("{}: element '{}' does not have the {} rows of its comment's map; "
+                    "export again",
+                    path.string(), kEnvironmentElement, scalars / 3));
+  SimilarityNumbers turn{};
+  std::copy(numbers.begin() + 1, numbers.end(), turn.begin());
+  environment.map_from_world = similarity_from_numbers(turn).rotation;
+  const std::vector<float> texels = read_floats(path, *element, environment_columns());
+  environment.map.value.resize(scalars);
+  std::copy(texels.begin(), texels.end(), environment.map.value.begin());
+  return environment;
+}
+
 }  // namespace
 
 void save_model(const std::filesystem::path& path, const GaussianModel& model) {
@@ -186,33 +209,6 @@ void save_model(const std::filesystem::path& path, const GaussianModel& model) {
   }
   write_splats(path, comments, elements, others);
 }
-
-namespace {
-
-EnvironmentLight read_environment(const std::filesystem::path& path, const PlyFile& file) {
-  EnvironmentLight environment;
-  const auto numbers =
-      numbers_if_any(path, file.comments, kEnvironmentElement, 1 + kSimilarityNumbers);
-  if (numbers.empty()) return environment;
-  const PlyElement* const element = file.find(kEnvironmentElement);
-  const bool plausible = numbers[0] >= 1 && numbers[0] <= 1 << 16;
-  environment.height = plausible ? int(numbers[0]) : 0;
-  const int64_t scalars = environment_scalars(environment.height);
-  if (!plausible || element == nullptr || 3 * element->rows != scalars)
-    throw InputError(
-        fmt::format("{}: element '{}' does not have the {} rows of its comment's map; "
-                    "export again",
-                    path.string(), kEnvironmentElement, scalars / 3));
-  SimilarityNumbers turn{};
-  std::copy(numbers.begin() + 1, numbers.end(), turn.begin());
-  environment.map_from_world = similarity_from_numbers(turn).rotation;
-  const std::vector<float> texels = read_floats(path, *element, environment_columns());
-  environment.map.value.resize(scalars);
-  std::copy(texels.begin(), texels.end(), environment.map.value.begin());
-  return environment;
-}
-
-}  // namespace
 
 GaussianModel load_model(const std::filesystem::path& path) {
   const PlyFile file = read_ply(path);

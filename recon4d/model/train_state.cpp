@@ -26,6 +26,21 @@ void add_elements(Backend& backend, const GaussianSet& added, TrainState& state,
                   state.statistics[k]);
 }
 
+void drop_moments(ParameterGroup& group) {
+  group.moment1 = Buffer<float>();
+  group.moment2 = Buffer<float>();
+}
+
+/// What baked_model reads of a state.
+TrainState needed_of(const TrainState& state, const TrainOptions& options) {
+  TrainState copy;
+  copy.model = state.model.clone_values();
+  if (is_filtered(state, options))
+    for (int k = 0; k < 2; ++k)
+      copy.statistics[k].filter_size.copy_from(state.statistics[k].filter_size);
+  return copy;
+}
+
 }  // namespace
 
 TrainState TrainState::clone_to(Memory& memory) const {
@@ -58,25 +73,6 @@ GaussianSpans<const float> drawn_values(const TrainState& state, int k,
   if (is_filtered(state, options)) values.filter_size = state.statistics[k].filter_size.span();
   return values;
 }
-
-namespace {
-
-void drop_moments(ParameterGroup& group) {
-  group.moment1 = Buffer<float>();
-  group.moment2 = Buffer<float>();
-}
-
-/// What baked_model reads of a state.
-TrainState needed_of(const TrainState& state, const TrainOptions& options) {
-  TrainState copy;
-  copy.model = state.model.clone_values();
-  if (is_filtered(state, options))
-    for (int k = 0; k < 2; ++k)
-      copy.statistics[k].filter_size.copy_from(state.statistics[k].filter_size);
-  return copy;
-}
-
-}  // namespace
 
 GaussianModel baked_model(const TrainState& state, const TrainOptions& options) {
   return baked_model(needed_of(state, options), options);

@@ -84,6 +84,26 @@ struct Setter {
   }
 };
 
+/// What is never drawn has no gradient: Gaussians must not start, nor be reset, below the cut-off.
+void check_truncation(const TrainOptions& options) {
+  constexpr double kResetOpacity = 0.01;  // reset_opacity
+  const double least = make_cutoff<double>(options).least_alpha;
+  const bool starts = least < options.init_opacity;
+  if (starts && !(options.opacity_reset_interval > 0 && least >= kResetOpacity)) return;
+  throw InputError(
+      fmt::format("truncation_sigma {} draws no opacity below {:.4f}, but Gaussians {} {}; pass "
+                  "--truncation-by-falloff true or a larger --truncation-sigma",
+                  options.truncation_sigma, least, starts ? "are reset to" : "start with",
+                  starts ? kResetOpacity : options.init_opacity));
+}
+
+/// Of a unit that was left out. What a scene's file takes is known later.
+void check_bytes(int64_t max_bytes) {
+  constexpr int64_t kLeast = 500;  // less than the manifest of any model
+  if (max_bytes == 0 || max_bytes >= kLeast) return;
+  throw InputError(fmt::format("--max-bytes {0}: {0} bytes hold no model; {0}MB?", max_bytes));
+}
+
 }  // namespace
 
 void set_option(TrainOptions& options, const std::string& key, const OptionValue& value) {
@@ -140,30 +160,6 @@ bool prunes_after_growth(const TrainOptions& options) {
     return true;
   return options.max_gaussians > 0 && growth_limit(options) > options.max_gaussians;
 }
-
-namespace {
-
-/// What is never drawn has no gradient: Gaussians must not start, nor be reset, below the cut-off.
-void check_truncation(const TrainOptions& options) {
-  constexpr double kResetOpacity = 0.01;  // reset_opacity
-  const double least = make_cutoff<double>(options).least_alpha;
-  const bool starts = least < options.init_opacity;
-  if (starts && !(options.opacity_reset_interval > 0 && least >= kResetOpacity)) return;
-  throw InputError(
-      fmt::format("truncation_sigma {} draws no opacity below {:.4f}, but Gaussians {} {}; pass "
-                  "--truncation-by-falloff true or a larger --truncation-sigma",
-                  options.truncation_sigma, least, starts ? "are reset to" : "start with",
-                  starts ? kResetOpacity : options.init_opacity));
-}
-
-/// Of a unit that was left out. What a scene's file takes is known later.
-void check_bytes(int64_t max_bytes) {
-  constexpr int64_t kLeast = 500;  // less than the manifest of any model
-  if (max_bytes == 0 || max_bytes >= kLeast) return;
-  throw InputError(fmt::format("--max-bytes {0}: {0} bytes hold no model; {0}MB?", max_bytes));
-}
-
-}  // namespace
 
 void validate(const TrainOptions& options) {
   if (options.near_plane >= options.far_plane)

@@ -39,11 +39,18 @@ int scaled_side(int side, double scale) {
   return std::max(1, int(std::lround(side * scale)));
 }
 
+/// Where all pixels that it comes from are used.
+Image8 scaled_mask(const Image8& mask, int width, int height) {
+  Image8 scaled = averaged_image(mask, width, height);
+  for (uint8_t& used : scaled.data) used = used == 255 ? 255 : 0;
+  return scaled;
+}
+
 }  // namespace
 
 Image8 averaged_image(const Image8& image, int width, int height) {
   check(width > 0 && height > 0 && width <= image.width && height <= image.height,
-        "averaged_picture: size");
+        "averaged_image: size");
   const int channels = image.channels;
   const std::vector<Window> columns = windows(image.width, width);
   const std::vector<Window> rows = windows(image.height, height);
@@ -84,17 +91,6 @@ Camera limited_camera(const Camera& camera, int longest) {
   if (scale >= 1) return camera;
   return camera.resized(scaled_side(camera.width, scale), scaled_side(camera.height, scale));
 }
-
-namespace {
-
-/// Where all pixels that it comes from are used.
-Image8 scaled_mask(const Image8& mask, int width, int height) {
-  Image8 scaled = averaged_image(mask, width, height);
-  for (uint8_t& used : scaled.data) used = used == 255 ? 255 : 0;
-  return scaled;
-}
-
-}  // namespace
 
 Frame scaled_frame(const Frame& frame, double scale) {
   check(scale > 0 && scale <= 1, "scaled_frame: a scale of at most 1");

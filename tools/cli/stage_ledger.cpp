@@ -24,6 +24,35 @@ using nlohmann::json;
 // File names need not be UTF-8.
 constexpr auto kReplaceInvalid = nlohmann::json::error_handler_t::replace;
 
+/// Goes into folders that links name, as the readers of captures do; `open`: the folders that `at`
+/// lies in, none of which is entered again.
+void add_files(const fs::path& at, std::vector<fs::path>& open, std::vector<fs::path>& files) {
+  std::error_code error;
+  if (fs::is_regular_file(at, error)) files.push_back(at);
+  if (!fs::is_directory(at, error)) return;
+  const fs::path real = fs::canonical(at, error);
+  if (error || std::find(open.begin(), open.end(), real) != open.end()) return;
+  open.push_back(real);
+  for (fs::directory_iterator it(at, error), end; !error && it != end; it.increment(error))
+    add_files(it->path(), open, files);
+  open.pop_back();
+}
+
+/// Of its first and last 4 KiB: the frames of videos and images differ there, too.
+std::string ends_hash(const fs::path& file, uintmax_t size) {
+  constexpr uintmax_t kEnd = 4096;
+  std::array<char, kEnd> bytes;
+  std::ifstream stream(file, std::ios::binary);
+  Fnv1a hash;
+  for (const uintmax_t from : {uintmax_t{0}, size > kEnd ? size - kEnd : 0}) {
+    stream.clear();
+    stream.seekg(std::streamoff(from));
+    stream.read(bytes.data(), std::streamsize(bytes.size()));
+    hash.add(bytes.data(), size_t(stream.gcount()));
+  }
+  return hash.hex();
+}
+
 }  // namespace
 
 StageLedger::StageLedger(fs::path file) : file_(std::move(file)) {
@@ -86,39 +115,6 @@ std::string key_of(const json& inputs) {
   hash.add(inputs.dump(-1, ' ', false, kReplaceInvalid));
   return hash.hex();
 }
-
-namespace {
-
-/// Goes into folders that links name, as the readers of captures do; `open`: the folders that `at`
-/// lies in, none of which is entered again.
-void add_files(const fs::path& at, std::vector<fs::path>& open, std::vector<fs::path>& files) {
-  std::error_code error;
-  if (fs::is_regular_file(at, error)) files.push_back(at);
-  if (!fs::is_directory(at, error)) return;
-  const fs::path real = fs::canonical(at, error);
-  if (error || std::find(open.begin(), open.end(), real) != open.end()) return;
-  open.push_back(real);
-  for (fs::directory_iterator it(at, error), end; !error && it != end; it.increment(error))
-    add_files(it->path(), open, files);
-  open.pop_back();
-}
-
-/// Of its first and last 4 KiB: the frames of videos and images differ there, too.
-std::string ends_hash(const fs::path& file, uintmax_t size) {
-  constexpr uintmax_t kEnd = 4096;
-  std::array<char, kEnd> bytes;
-  std::ifstream stream(file, std::ios::binary);
-  Fnv1a hash;
-  for (const uintmax_t from : {uintmax_t{0}, size > kEnd ? size - kEnd : 0}) {
-    stream.clear();
-    stream.seekg(std::streamoff(from));
-    stream.read(bytes.data(), std::streamsize(bytes.size()));
-    hash.add(bytes.data(), size_t(stream.gcount()));
-  }
-  return hash.hex();
-}
-
-}  // namespace
 
 json file_stamps(const fs::path& path) {
   std::vector<std::string> stamps;

@@ -39,6 +39,29 @@ void add_row(CLI::App& command, const TrainOption& row, TrainArguments& argument
         ->group(row.group);
 }
 
+/// `file`: an object of option: value, or the config.json of a run, which has one as `options`.
+void apply_config(TrainOptions& options, const std::string& file) {
+  nlohmann::json config = read_json(file);
+  if (config.is_object() && config.contains("options")) config = nlohmann::json(config["options"]);
+  if (!config.is_object())
+    throw InputError(fmt::format("{}: expected a JSON object of option: value", file));
+  for (const auto& [key, value] : config.items()) try {
+      set_option_from_json(options, key, value);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", file, error.what()));
+    }
+}
+
+TrainOptions layered_options(const TrainArguments& arguments, const SceneFacts& facts) {
+  TrainOptions options;
+  apply_preset(options, arguments.preset, facts);
+  if (!arguments.ablation.empty()) apply_ablation(options, arguments.ablation);
+  if (!arguments.config.empty()) apply_config(options, arguments.config);
+  for (const auto& [key, text] : arguments.given) set_option_from_text(options, key, text);
+  validate(options);
+  return options;
+}
+
 }  // namespace
 
 void add_train_options(CLI::App& command, TrainArguments& arguments) {
@@ -67,33 +90,6 @@ void add_option_table(CLI::App& command, TrainArguments& arguments) {
   command.add_flag_callback(
       "--static", [&arguments] { arguments.given["motion"] = "none"; }, "same as --motion none");
 }
-
-namespace {
-
-/// `file`: an object of option: value, or the config.json of a run, which has one as `options`.
-void apply_config(TrainOptions& options, const std::string& file) {
-  nlohmann::json config = read_json(file);
-  if (config.is_object() && config.contains("options")) config = nlohmann::json(config["options"]);
-  if (!config.is_object())
-    throw InputError(fmt::format("{}: expected a JSON object of option: value", file));
-  for (const auto& [key, value] : config.items()) try {
-      set_option_from_json(options, key, value);
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("{}: {}", file, error.what()));
-    }
-}
-
-TrainOptions layered_options(const TrainArguments& arguments, const SceneFacts& facts) {
-  TrainOptions options;
-  apply_preset(options, arguments.preset, facts);
-  if (!arguments.ablation.empty()) apply_ablation(options, arguments.ablation);
-  if (!arguments.config.empty()) apply_config(options, arguments.config);
-  for (const auto& [key, text] : arguments.given) set_option_from_text(options, key, text);
-  validate(options);
-  return options;
-}
-
-}  // namespace
 
 PlannedOptions resolve_options(const TrainArguments& arguments, SceneFacts facts) {
   const TrainOptions asked = layered_options(arguments, {});

@@ -48,6 +48,51 @@ void check_range(const char* name, double value, double least, double most) {
       fmt::format("synth: {} is {}; give a value from {} to {}", name, value, least, most));
 }
 
+/// A shifted camera's frames lie within a clip's length of the clip, where the motion is defined.
+void check_shifts(const SynthOptions& options) {
+  if (options.shifts.empty()) return;
+  if (options.layout == SynthLayout::kDnerf)
+    throw InputError(
+        "synth: the layout dnerf has one camera, so no clock to shift; leave out --shift or use "
+        "the layout n3dv or videos");
+  if (options.shifts.size() > size_t(options.cameras))
+    throw InputError(
+        fmt::format("synth: --shift names cam{:02}, but the cameras are cam00 to "
+                    "cam{:02}; name one of these or raise --cameras",
+                    options.shifts.size() - 1, options.cameras - 1));
+  for (const double shift : options.shifts)
+    if (!(std::abs(shift) < std::max(1, options.frames - 1)))
+      throw InputError(fmt::format("synth: a shift is {} frames; give less than the clip's {}",
+                                   shift, options.frames - 1));
+}
+
+/// The light and the gains of cameras are those of a rig.
+void check_light_and_gains(const SynthOptions& options) {
+  check_range("light_step", options.light_step, kLeastLightStep, kMostLightStep);
+  if (options.layout != SynthLayout::kDnerf) return;
+  for (const auto& [given, name] : {std::pair{options.light_step != 1, "--light-step"},
+                                    {options.camera_gains, "--camera-gains"}})
+    if (given)
+      throw InputError(
+          fmt::format("synth: the layout dnerf has no rig of cameras; leave out {} or use the "
+                      "layout n3dv or videos",
+                      name));
+}
+
+/// Fills in the share of a scene that has a moving region, refuses one for the others.
+void resolve_moving_share(SynthOptions& options) {
+  constexpr double kUsual = 0.05;
+  if (options.scene == SynthScene::kPatch) {
+    if (options.moving_share == 0) options.moving_share = kUsual;
+    check_range("moving_share", options.moving_share, kLeastMovingShare, kMostMovingShare);
+  } else if (options.moving_share != 0) {
+    throw InputError(
+        fmt::format("synth: the scene {} has no moving region of a given size; leave out "
+                    "--moving-share or use the scene patch",
+                    name_of(options.scene)));
+  }
+}
+
 }  // namespace
 
 bool is_made_capture(const std::filesystem::path& folder) {
@@ -107,55 +152,6 @@ std::optional<SynthLayout> find_synth_layout(std::string_view name) {
     if (row.name == name) return row.layout;
   return std::nullopt;
 }
-
-namespace {
-
-/// A shifted camera's frames lie within a clip's length of the clip, where the motion is defined.
-void check_shifts(const SynthOptions& options) {
-  if (options.shifts.empty()) return;
-  if (options.layout == SynthLayout::kDnerf)
-    throw InputError(
-        "synth: the layout dnerf has one camera, so no clock to shift; leave out --shift or use "
-        "the layout n3dv or videos");
-  if (options.shifts.size() > size_t(options.cameras))
-    throw InputError(
-        fmt::format("synth: --shift names cam{:02}, but the cameras are cam00 to "
-                    "cam{:02}; name one of these or raise --cameras",
-                    options.shifts.size() - 1, options.cameras - 1));
-  for (const double shift : options.shifts)
-    if (!(std::abs(shift) < std::max(1, options.frames - 1)))
-      throw InputError(fmt::format("synth: a shift is {} frames; give less than the clip's {}",
-                                   shift, options.frames - 1));
-}
-
-/// The light and the gains of cameras are those of a rig.
-void check_light_and_gains(const SynthOptions& options) {
-  check_range("light_step", options.light_step, kLeastLightStep, kMostLightStep);
-  if (options.layout != SynthLayout::kDnerf) return;
-  for (const auto& [given, name] : {std::pair{options.light_step != 1, "--light-step"},
-                                    {options.camera_gains, "--camera-gains"}})
-    if (given)
-      throw InputError(
-          fmt::format("synth: the layout dnerf has no rig of cameras; leave out {} or use the "
-                      "layout n3dv or videos",
-                      name));
-}
-
-/// Fills in the share of a scene that has a moving region, refuses one for the others.
-void resolve_moving_share(SynthOptions& options) {
-  constexpr double kUsual = 0.05;
-  if (options.scene == SynthScene::kPatch) {
-    if (options.moving_share == 0) options.moving_share = kUsual;
-    check_range("moving_share", options.moving_share, kLeastMovingShare, kMostMovingShare);
-  } else if (options.moving_share != 0) {
-    throw InputError(
-        fmt::format("synth: the scene {} has no moving region of a given size; leave out "
-                    "--moving-share or use the scene patch",
-                    name_of(options.scene)));
-  }
-}
-
-}  // namespace
 
 SynthOptions resolve_synth_options(const SynthOptions& options) {
   SynthOptions full = options;
