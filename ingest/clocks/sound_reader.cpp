@@ -14,18 +14,14 @@ extern "C" {
 #include <memory>
 #include <string>
 
+#include "ingest/video/video_file.h"
+
 namespace tessera {
 namespace {
 
-struct Release {
-  void operator()(AVFormatContext* format) const { avformat_close_input(&format); }
-  void operator()(AVCodecContext* codec) const { avcodec_free_context(&codec); }
-  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
-  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
+struct ReleaseResampler {
   void operator()(SwrContext* resampler) const { swr_free(&resampler); }
 };
-template <class T>
-using Owned = std::unique_ptr<T, Release>;
 
 class SoundTrack {
  public:
@@ -37,10 +33,10 @@ class SoundTrack {
   bool start_resampler(const AVFrame& frame, int rate);
   void append(const uint8_t** data, int count, Sound& sound);
 
-  Owned<AVFormatContext> format_;
-  Owned<AVCodecContext> codec_;
-  Owned<SwrContext> resampler_;
-  Owned<AVFrame> frame_{av_frame_alloc()};
+  LibavOwned<AVFormatContext> format_;
+  LibavOwned<AVCodecContext> codec_;
+  std::unique_ptr<SwrContext, ReleaseResampler> resampler_;
+  LibavOwned<AVFrame> frame_ = new_frame();
   AVStream* track_ = nullptr;
 };
 
@@ -115,7 +111,7 @@ Sound SoundTrack::read(int rate, double seconds) {
   Sound sound;
   sound.rate = rate;
   const size_t most = size_t(seconds * rate);
-  const Owned<AVPacket> packet(av_packet_alloc());
+  const LibavOwned<AVPacket> packet = new_packet();
   bool more = true;
   while (more && av_read_frame(format_.get(), packet.get()) >= 0) {
     if (packet->stream_index == track_->index) {
