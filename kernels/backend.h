@@ -314,8 +314,9 @@ class BackendOf {
   /// Elements in Morton order of the means; of a Dim 4 set then stably by 32 bins of temporal
   /// means.
   virtual void locality_order(const GaussianSpans<const Real>& set, Buffer<int64_t>& order) = 0;
-  /// φ[n] = √0.2·d/f, d the least depth of Gaussian n in the views that sample it, each at its own
-  /// moment; of one that none samples: the largest φ of the others; 0 where there are no others.
+  /// φ[n] = √0.2·d/f, d the least depth of Gaussian n in the views that sample it, each at the time
+  /// of that view; of one that none samples: the largest φ of the others; 0 where there are no
+  /// others.
   virtual void filter_sizes(const FilterArgs<Real>& args, Span<Real> sizes) = 0;
   /// Every Gaussian of a set that has its φ with it. `limit`: an opacity, for kLimitOpacity.
   virtual void edit_by_filter(FilterEdit edit, const GaussianSpans<Real>& set, Real limit) = 0;

@@ -179,7 +179,7 @@ void validate(const TrainOptions& options) {
         name_of(options.idle_updates)));
   if (options.motion == Motion::kNodes && options.filter_3d != Filter3d::kNone)
     throw InputError(
-        "filter_3d knows nothing of motion nodes; pass --filter-3d none or another --motion");
+        "filter_3d does not reckon with motion nodes; pass --filter-3d none or another --motion");
   const int contracts =
       (options.max_gaussians > 0) + (options.max_bytes > 0) + (options.within_db > 0);
   if (contracts > 1)
