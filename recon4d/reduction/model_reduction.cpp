@@ -177,7 +177,7 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
 
 nlohmann::json to_json(const ReductionReport& report) {
   return {{"iteration", report.iteration},
-          {"looked_at", report.sampled_frames},
+          {"sampled_frames", report.sampled_frames},
           {"static_before", report.static_before},
           {"dynamic_before", report.dynamic_before},
           {"static", report.static_after},
@@ -190,7 +190,7 @@ nlohmann::json to_json(const ReductionReport& report) {
           {"spawned", report.spawned},
           {"spawned_missed", report.spawned_missed},
           {"price", report.error_per_byte},
-          {"still_error", report.demotion_error},
+          {"demotion_error", report.demotion_error},
           {"psnr", report.psnr},
           {"thinned", report.psnr_after},
           {"degrees", report.degrees},

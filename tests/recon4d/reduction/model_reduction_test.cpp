@@ -46,14 +46,14 @@ TrainOptions thrifty_options() {
 }
 
 /// A training with its decisions, from its beginning or from a state.
-struct Thrifty {
+struct ReducedTraining {
   Scene scene;
   std::unique_ptr<Training> training;
   std::unique_ptr<Validation> validation;
   std::unique_ptr<ModelReduction> reduction;
 
-  explicit Thrifty(const TrainOptions& options, std::optional<Checkpoint> from = {},
-                   Backend* backend = nullptr)
+  explicit ReducedTraining(const TrainOptions& options, std::optional<Checkpoint> from = {},
+                           Backend* backend = nullptr)
       : scene(tiny_capture()) {
     hold_out_validation(scene, options.validation_share, 1);
     TrainState state = from ? std::move(from->state) : first_state(scene, options);
@@ -64,7 +64,7 @@ struct Thrifty {
                                               from ? from->validation : ValidationRecord{});
     reduction = std::make_unique<ModelReduction>(training->backend(), options, made_bytes);
   }
-  Thrifty& run(int64_t iteration) {
+  ReducedTraining& run(int64_t iteration) {
     training->run(iteration, *reduction, *validation);
     return *this;
   }
@@ -79,7 +79,7 @@ struct Thrifty {
 
 // Bug put back: the goal computed again in every round; seen to fail.
 TEST(ModelReduction, TheLastRoundLeavesTheKneeOfTheFirst) {
-  const Thrifty run = std::move(Thrifty(thrifty_options()).run(180));
+  const ReducedTraining run = std::move(ReducedTraining(thrifty_options()).run(180));
   ASSERT_EQ(run.decisions().size(), 7u);
   int64_t goal = 0;
   for (const ReductionReport& report : run.decisions()) {
@@ -113,7 +113,7 @@ TEST(ModelReduction, DynamicGaussiansAreTriedAtTheFirstAndTheLast) {
   TrainOptions options = thrifty_options();
   options.static_fraction = 0;
   options.split_by_motion = false;
-  const Thrifty run = std::move(Thrifty(options).run(180));
+  const ReducedTraining run = std::move(ReducedTraining(options).run(180));
   ASSERT_EQ(run.decisions().size(), 7u);
   for (const ReductionReport& report : run.decisions()) {
     const bool tries = report.iteration == 30 || report.iteration == 180;
@@ -125,11 +125,11 @@ TEST(ModelReduction, DynamicGaussiansAreTriedAtTheFirstAndTheLast) {
 TEST(ModelReduction, TheLastRoundLeavesALittleMoreThanIsAskedFor) {
   TrainOptions options = thrifty_options();
   options.max_gaussians = 80;
-  EXPECT_EQ(Thrifty(options).run(180).training->model().count(), 83) << "1.04 of it";
+  EXPECT_EQ(ReducedTraining(options).run(180).training->model().count(), 83) << "1.04 of it";
   options.max_gaussians = 0;
   options.max_bytes = 5000;
   options.decide_motion = false;
-  const int64_t bytes = made_bytes(Thrifty(options).run(180).training->model());
+  const int64_t bytes = made_bytes(ReducedTraining(options).run(180).training->model());
   EXPECT_NEAR(double(bytes), 5200, 199) << "what is left differs from what went";
 }
 
@@ -141,7 +141,7 @@ TEST(ModelReduction, AFewDecibelsAreTakenFromWhatTheImagesPredict) {
   options.validate_interval = 20;
   const auto left = [&](double decibels) {
     options.within_db = decibels;
-    const Thrifty run = std::move(Thrifty(options).run(101));
+    const ReducedTraining run = std::move(ReducedTraining(options).run(101));
     const ReductionReport& first = run.decisions().front();
     EXPECT_GT(first.removed, 0) << decibels;
     return first.goal;
@@ -152,29 +152,29 @@ TEST(ModelReduction, AFewDecibelsAreTakenFromWhatTheImagesPredict) {
 
 // Bug put back: `decided` ignored; seen to fail.
 TEST(ModelReduction, DecidesOnceAtAStepAlsoAfterAResume) {
-  Thrifty run = std::move(Thrifty(thrifty_options()).run(101));
+  ReducedTraining run = std::move(ReducedTraining(thrifty_options()).run(101));
   ASSERT_EQ(run.decisions().size(), 4u);
   EXPECT_EQ(run.training->state().decided, 101);
   EXPECT_FALSE(run.reduction->act(run.training->trainer(), {}).has_value());
   Checkpoint half = run.saved();
   EXPECT_EQ(half.state.decided, 101);
   EXPECT_EQ(half.state.goal, run.decisions().back().knee);
-  Thrifty again(thrifty_options(), std::move(half));
+  ReducedTraining again(thrifty_options(), std::move(half));
   EXPECT_FALSE(again.reduction->act(again.training->trainer(), {}).has_value());
   EXPECT_EQ(again.training->model().count(), run.training->model().count());
   // stopped at the step but before the decision it is made up for
-  Thrifty undecided(thrifty_options());
+  ReducedTraining undecided(thrifty_options());
   undecided.run(100).training->run(101);
-  Thrifty late(thrifty_options(), undecided.saved());
+  ReducedTraining late(thrifty_options(), undecided.saved());
   ASSERT_TRUE(late.reduction->act(late.training->trainer(), {}).has_value());
   EXPECT_TRUE(state_bits(late.training->state()) == state_bits(run.training->state()));
 }
 
 // Bug put back: images of the host handed to the stages; seen to fail.
 TEST(ModelReduction, IsTheSameInASeparateMemory) {
-  const Thrifty here = std::move(Thrifty(thrifty_options()).run(200));
+  const ReducedTraining here = std::move(ReducedTraining(thrifty_options()).run(200));
   testing::SeparateBackend backend;
-  Thrifty separate(thrifty_options(), {}, &backend);
+  ReducedTraining separate(thrifty_options(), {}, &backend);
   separate.run(200);
   EXPECT_GT(here.training->model().static_set.count(), 0);
   EXPECT_TRUE(state_bits(separate.training->state().clone_to(host_memory())) ==
@@ -187,7 +187,7 @@ TEST(ModelReduction, IsTheSameInASeparateMemory) {
 TEST(ModelReduction, MeasuresWithoutTheBuffersOfAStep) {
   testing::SeparateBackend backend;
   SeparateMemory& memory = backend.separate_memory;
-  Thrifty run(thrifty_options(), {}, &backend);
+  ReducedTraining run(thrifty_options(), {}, &backend);
   run.training->run(30);
   memory.buffers_at_trim.clear();
   const int64_t before = memory.buffers();
@@ -201,11 +201,11 @@ TEST(ModelReduction, ResumeIsBitEqual) {
   for (const IdleUpdate updates : {IdleUpdate::kDense, IdleUpdate::kSkip}) {
     TrainOptions options = thrifty_options();
     options.idle_updates = updates;
-    const Thrifty whole = std::move(Thrifty(options).run(200));
+    const ReducedTraining whole = std::move(ReducedTraining(options).run(200));
     EXPECT_TRUE(whole.training->state().has_blocks());
     for (const int64_t half : {100, 140, 190}) {
-      const Thrifty first = std::move(Thrifty(options).run(half));
-      const Thrifty second = std::move(Thrifty(options, first.saved()).run(200));
+      const ReducedTraining first = std::move(ReducedTraining(options).run(half));
+      const ReducedTraining second = std::move(ReducedTraining(options, first.saved()).run(200));
       EXPECT_TRUE(state_bits(second.training->state()) == state_bits(whole.training->state()))
           << name_of(updates) << " from " << half;
     }
@@ -219,7 +219,7 @@ TEST(ModelReduction, LooksWithTheKernelsOfTheTraining) {
   TrainOptions options = thrifty_options();
   for (const bool deterministic : {false, true}) {
     options.deterministic = deterministic;
-    const Thrifty run(options);
+    const ReducedTraining run(options);
     EXPECT_EQ(run.training->trainer().sample_frames().kernels.deterministic, deterministic);
   }
 }
@@ -229,7 +229,7 @@ TEST(ModelReduction, LooksWithTheKernelsOfTheTraining) {
 TEST(ModelReduction, NoGaussiansAreNothingToThin) {
   TrainOptions options = thrifty_options();
   options.max_gaussians = 50;
-  Thrifty run(options);
+  ReducedTraining run(options);
   run.run(100);
   StateEdit all;
   for (int k = 0; k < 2; ++k) {
