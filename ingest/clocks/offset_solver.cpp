@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "kernels/base/cholesky.h"
 #include "kernels/base/median.h"
 
 namespace tessera {
@@ -38,61 +39,38 @@ std::vector<bool> largest_group(int count, const std::vector<PairOffset>& pairs)
   return inside;
 }
 
-using Table = std::vector<std::vector<double>>;
-
-/// Inverse of a symmetric positive matrix by Gauss and Jordan.
-Table inverse(Table m) {
-  const size_t n = m.size();
-  Table result(n, std::vector<double>(n));
-  for (size_t i = 0; i < n; ++i) result[i][i] = 1;
-  for (size_t column = 0; column < n; ++column) {
-    const double pivot = m[column][column];
-    for (size_t k = 0; k < n; ++k) {
-      m[column][k] /= pivot;
-      result[column][k] /= pivot;
-    }
-    for (size_t row = 0; row < n; ++row) {
-      if (row == column) continue;
-      const double factor = m[row][column];
-      for (size_t k = 0; k < n; ++k) {
-        m[row][k] -= factor * m[column][k];
-        result[row][k] -= factor * result[column][k];
-      }
-    }
-  }
-  return result;
-}
-
-/// Covariance of offsets whose mean is held at 0 (the weak spring on the mean fixes the gauge and
+/// Variances of offsets whose mean is held at 0 (the weak spring on the mean fixes the gauge and
 /// touches no difference), and the offsets themselves.
-Table solve_weighted(const std::vector<PairOffset>& pairs, const std::vector<double>& weights,
-                     const std::vector<bool>& inside, std::vector<double>& offsets) {
+std::vector<double> solve_weighted(const std::vector<PairOffset>& pairs,
+                                   const std::vector<double>& weights,
+                                   const std::vector<bool>& inside, std::vector<double>& offsets) {
   const size_t n = inside.size();
   const double spring = *std::max_element(weights.begin(), weights.end());
-  Table normal(n, std::vector<double>(n));
-  std::vector<double> right(n);
+  std::vector<double> normal(n * n), right(n), variances(n);
   for (size_t i = 0; i < n; ++i)
     for (size_t j = 0; j < n; ++j)
-      if (inside[i] && inside[j]) normal[i][j] = spring;
+      if (inside[i] && inside[j]) normal[i * n + j] = spring;
   for (size_t i = 0; i < n; ++i)
-    if (!inside[i]) normal[i][i] = 1;
+    if (!inside[i]) normal[i * n + i] = 1;
   for (size_t p = 0; p < pairs.size(); ++p) {
     const size_t a = size_t(pairs[p].a), b = size_t(pairs[p].b);
     if (!inside[a]) continue;
-    normal[a][a] += weights[p];
-    normal[b][b] += weights[p];
-    normal[a][b] -= weights[p];
-    normal[b][a] -= weights[p];
+    normal[a * n + a] += weights[p];
+    normal[b * n + b] += weights[p];
+    normal[a * n + b] -= weights[p];
+    normal[b * n + a] -= weights[p];
     right[b] += weights[p] * pairs[p].offset;
     right[a] -= weights[p] * pairs[p].offset;
   }
-  Table covariance = inverse(std::move(normal));
+  const Cholesky factor(std::move(normal), n);
+  offsets = factor.solve(right);
   const double group = double(std::count(inside.begin(), inside.end(), true));
-  for (size_t i = 0; i < n; ++i)
-    offsets[i] = std::inner_product(right.begin(), right.end(), covariance[i].begin(), 0.0);
-  for (size_t i = 0; i < n; ++i)
-    covariance[i][i] -= 1 / (spring * group * group);  // the mean's own
-  return covariance;
+  for (size_t i = 0; i < n; ++i) {
+    std::vector<double> unit(n);
+    unit[i] = 1;
+    variances[i] = factor.solve(std::move(unit))[i] - 1 / (spring * group * group);  // the mean's
+  }
+  return variances;
 }
 
 constexpr double kAgreeingPixels = 1;  // within which a miss agrees while the shift is sought
@@ -199,10 +177,10 @@ std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>
   const std::vector<bool> inside = largest_group(count, pairs);
   std::vector<double> offsets(solved.size()), weights;
   for (const PairOffset& pair : pairs) weights.push_back(1 / (pair.sigma * pair.sigma));
-  Table covariance;
+  std::vector<double> variances;
   double spread = 1;  // residuals of the pairs relative to their stated errors
   for (int round = 0; round < kRounds; ++round) {
-    covariance = solve_weighted(pairs, weights, inside, offsets);
+    variances = solve_weighted(pairs, weights, inside, offsets);
     std::vector<double> misfit;
     for (const PairOffset& pair : pairs)
       misfit.push_back(pair.offset - (offsets[size_t(pair.b)] - offsets[size_t(pair.a)]));
@@ -220,7 +198,7 @@ std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>
   const double middle = median_offset(known);
   for (size_t i = 0; i < solved.size(); ++i)
     if (inside[i])
-      solved[i] = {offsets[i] - middle, spread * std::sqrt(std::max(0.0, covariance[i][i])), true};
+      solved[i] = {offsets[i] - middle, spread * std::sqrt(std::max(0.0, variances[i])), true};
   return solved;
 }
 
