@@ -104,6 +104,9 @@ using IngestProgress = std::function<void(std::string_view, int64_t, int64_t)>;
 CaptureLayout detect_layout(const std::filesystem::path& capture,
                             std::optional<ImageLayout> image_layout = std::nullopt);
 
+/// Errors: InputError naming an option whose value is none that it can have for any capture.
+void check_values(const IngestOptions& options);
+
 /// Reads `capture` and writes the prepared scene `out` (created; appears whole or not at all).
 /// Errors: InputError, one line naming file and remedy.
 IngestReport ingest_capture(const std::filesystem::path& capture, const std::filesystem::path& out,

@@ -25,23 +25,6 @@ extern "C" {
 namespace tessera {
 namespace {
 
-void check_options(const IngestOptions& options) {
-  if (!(options.scale > 0 && options.scale <= 1))
-    throw InputError(
-        fmt::format("--scale is {}, expected more than 0 and at most 1; pass 0.5 for "
-                    "images of half the width",
-                    options.scale));
-  if (options.frames && *options.frames < 1)
-    throw InputError(
-        fmt::format("--frames is {}, expected at least 1; leave it out for all", *options.frames));
-  if (options.cloud_points < 1)
-    throw InputError(
-        fmt::format("--cloud-points is {}, expected at least 1; pass --cloud none for "
-                    "no points",
-                    options.cloud_points));
-  if (!options.masks.empty()) require_folder(options.masks);  // before hours of decoding
-}
-
 /// Options that some layouts alone have.
 void check_layout_options(const LayoutRow& layout, const IngestOptions& o) {
   const bool videos = layout.clips, photos = layout.photos, estimated = layout.estimates_poses;
@@ -146,7 +129,8 @@ IngestReport ingest_named(const std::filesystem::path& folder, const std::filesy
 IngestReport ingest_capture(const std::filesystem::path& capture, const std::filesystem::path& out,
                             const IngestOptions& options, const IngestProgress& progress) {
   try {
-    check_options(options);
+    check_values(options);
+    if (!options.masks.empty()) require_folder(options.masks);  // before hours of decoding
     return ingest_named(capture, out, options, progress);
   } catch (const std::filesystem::filesystem_error& error) {  // link loops, folders without access
     throw InputError(fmt::format("{}: cannot be reached ({}); check this path and its permissions",

@@ -31,11 +31,6 @@ Value value_of(const std::map<std::string, Value>& values, const std::string& wo
       fmt::format("{} is '{}', expected one of {}", option, word, fmt::join(words, ", ")));
 }
 
-void check_positive(const std::optional<double>& value, const char* option) {
-  if (value && !(*value > 0))
-    throw InputError(fmt::format("{} is {}, expected more than 0", option, *value));
-}
-
 void add_frame_options(CLI::App& command, IngestArguments& arguments) {
   IngestOptions& options = arguments.options;
   command.add_option(
@@ -134,12 +129,7 @@ void add_ingest_options(CLI::App& command, IngestArguments& arguments) {
 
 IngestOptions resolve_ingest(const IngestArguments& arguments) {
   IngestOptions options = arguments.options;
-  if (options.frames && *options.frames < 1)
-    throw InputError(fmt::format("--frames is {}, expected 1 or more", *options.frames));
-  if (!(options.start >= 0))
-    throw InputError(fmt::format("--start is {}, expected 0 or more", options.start));
-  check_positive(options.duration, "--duration");
-  check_positive(options.fps, "--fps");
+  check_values(options);
   options.sync.method = value_of<SyncMethod>({{"auto", SyncMethod::kAuto},
                                               {"none", SyncMethod::kNone},
                                               {"container", SyncMethod::kContainer},
