@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <map>
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "ingest/camera_table_text.h"
 #include "ingest/files/cache_folder.h"
@@ -20,15 +22,43 @@
 namespace tessera {
 namespace {
 
+template <class Value>
+using Words = std::vector<std::pair<const char*, Value>>;
+
+const Words<SyncMethod> kSyncWords{{"audio", SyncMethod::kAudio},
+                                   {"auto", SyncMethod::kAuto},
+                                   {"container", SyncMethod::kContainer},
+                                   {"motion", SyncMethod::kMotion},
+                                   {"none", SyncMethod::kNone}};
+const Words<ImageLayout> kLayoutWords{
+    {"moving", ImageLayout::kMoving}, {"photos", ImageLayout::kPhotos}, {"rig", ImageLayout::kRig}};
+const Words<CloudDensity> kCloudWords{{"dense", CloudDensity::kDense},
+                                      {"none", CloudDensity::kNone},
+                                      {"sparse", CloudDensity::kSparse}};
+const Words<bool> kIntrinsicsWords{{"per-camera", true}, {"shared", false}};
+
+template <class Value>
+auto find_word(const Words<Value>& words, const std::string& word) {
+  return std::find_if(words.begin(), words.end(),
+                      [&](const auto& row) { return row.first == word; });
+}
+
 /// The value that `word` stands for. Errors: InputError that lists the words there are.
 template <class Value>
-Value value_of(const std::map<std::string, Value>& values, const std::string& word,
-               const char* option) {
-  if (const auto found = values.find(word); found != values.end()) return found->second;
-  std::vector<std::string> words;
-  for (const auto& [name, value] : values) words.push_back(name);
+Value value_of(const Words<Value>& words, const std::string& word, const char* option) {
+  if (const auto found = find_word(words, word); found != words.end()) return found->second;
+  std::vector<const char*> known;
+  for (const auto& [name, value] : words) known.push_back(name);
   throw InputError(
-      fmt::format("{} is '{}', expected one of {}", option, word, fmt::join(words, ", ")));
+      fmt::format("{} is '{}', expected one of {}", option, word, fmt::join(known, ", ")));
+}
+
+template <class Value>
+std::string word_of(const Words<Value>& words, const Value& value) {
+  const auto found = std::find_if(words.begin(), words.end(),
+                                  [&](const auto& row) { return row.second == value; });
+  check(found != words.end(), "a value of an option without a word");
+  return found->first;
 }
 
 void add_frame_options(CLI::App& command, IngestArguments& arguments) {
@@ -130,27 +160,15 @@ void add_ingest_options(CLI::App& command, IngestArguments& arguments) {
 IngestOptions resolve_ingest(const IngestArguments& arguments) {
   IngestOptions options = arguments.options;
   check_values(options);
-  options.sync.method = value_of<SyncMethod>({{"auto", SyncMethod::kAuto},
-                                              {"none", SyncMethod::kNone},
-                                              {"container", SyncMethod::kContainer},
-                                              {"audio", SyncMethod::kAudio},
-                                              {"motion", SyncMethod::kMotion}},
-                                             arguments.sync, "--sync");
-  options.poses.intrinsics_per_camera = value_of<bool>({{"shared", false}, {"per-camera", true}},
-                                                       arguments.intrinsics, "--intrinsics");
+  options.sync.method = value_of(kSyncWords, arguments.sync, "--sync");
+  options.poses.intrinsics_per_camera =
+      value_of(kIntrinsicsWords, arguments.intrinsics, "--intrinsics");
   options.poses.strict = options.strict;
   if (const auto cache = user_cache_folder(); !cache.empty())
     options.poses.cache = cache / "colmap";
   if (!arguments.layout.empty())
-    options.image_layout = value_of<ImageLayout>({{"rig", ImageLayout::kRig},
-                                                  {"photos", ImageLayout::kPhotos},
-                                                  {"moving", ImageLayout::kMoving}},
-                                                 arguments.layout, "--layout");
-  if (!arguments.cloud.empty())
-    options.cloud = value_of<CloudDensity>({{"none", CloudDensity::kNone},
-                                            {"sparse", CloudDensity::kSparse},
-                                            {"dense", CloudDensity::kDense}},
-                                           arguments.cloud, "--cloud");
+    options.image_layout = value_of(kLayoutWords, arguments.layout, "--layout");
+  if (!arguments.cloud.empty()) options.cloud = value_of(kCloudWords, arguments.cloud, "--cloud");
   return options;
 }
 
@@ -162,6 +180,7 @@ void require_one_capture(const std::filesystem::path& folder, const IngestOption
 }
 
 nlohmann::json to_json(const IngestOptions& o) {
+  constexpr const char* kDefault = "default";  // which follows from the capture
   return {{"scale", o.scale},
           {"frames", o.frames.value_or(0)},
           {"start", o.start},
@@ -171,21 +190,21 @@ nlohmann::json to_json(const IngestOptions& o) {
           {"held_out", o.held_out},
           {"static", o.allow_static},
           {"layout", o.layout ? layout_name(*o.layout) : ""},
-          {"image_layout", o.image_layout ? int(*o.image_layout) : -1},
+          {"image_layout", o.image_layout ? word_of(kLayoutWords, *o.image_layout) : kDefault},
           {"images", o.images},
           {"test_every", o.test_every.value_or(-1)},
           {"poses", o.poses.source},
           {"files of the poses", stamps_of(o.poses.source)},
           {"camera_model", o.poses.lens_model},
           {"intrinsics_per_camera", o.poses.intrinsics_per_camera},
-          {"sync", int(o.sync.method)},
+          {"sync", word_of(kSyncWords, o.sync.method)},
           {"files of the offsets", stamps_of(o.sync.offsets)},
           {"strict", o.strict},
           {"files of the masks", stamps_of(o.masks)},
           {"invert_masks", o.invert_masks},
           {"fit_exposure", o.fit_exposure},
           {"keep_world", o.keep_world},
-          {"cloud", o.cloud ? int(*o.cloud) : -1},
+          {"cloud", o.cloud ? word_of(kCloudWords, *o.cloud) : kDefault},
           {"cloud_points", o.cloud_points}};
 }
 

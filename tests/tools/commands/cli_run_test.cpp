@@ -86,7 +86,8 @@ TEST_F(CliRun, RepeatsOnlyWhatChanged) {
 }
 
 // Bugs put back, each seen to fail: the finished run of another request replaced; the backend and
-// defaults that are spelt out taken for a change; the old result removed when the new one begins.
+// defaults that are spelt out taken for a change; the old result removed when the new one begins;
+// numbers of enumerators recorded, not words.
 TEST_F(CliRun, NothingFinishedIsReplacedUnasked) {
   ASSERT_EQ(run().exit_code, 0);
   const std::string model = work.read("out/run/model.ply"),
@@ -104,6 +105,7 @@ TEST_F(CliRun, NothingFinishedIsReplacedUnasked) {
   expect_refused({"--seed", "9"}, "seed 1 → 9");
   expect_refused({"--preset", "3dgs"}, "preset balanced → 3dgs");
   expect_refused({"--scale", "0.5"}, "scale 1.0 → 0.5");
+  expect_refused({"--cloud", "none"}, "cloud default → none");
   // a successor that fails
   work.write("capture.bak", work.read("capture/transforms_train.json"));
   work.write("capture/transforms_train.json", "{}");
