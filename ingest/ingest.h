@@ -34,8 +34,17 @@ struct SyncOptions {
   std::filesystem::path offsets;          // file of stated offsets; it wins over the method
 };
 
+/// Where poses come from.
+struct PoseSource {
+  enum class Kind { kFound, kColmap, kN3dv, kLlff, kCameras };
+  using enum Kind;
+
+  Kind kind = kFound;               // kFound: what the capture has
+  std::filesystem::path cameras{};  // of kCameras: a file or folder that states them
+};
+
 struct PoseOptions {
-  std::string source;                  // "colmap", "n3dv", a file of cameras; empty: what is there
+  PoseSource source;
   std::string lens_model;              // COLMAP's name; empty: SIMPLE_RADIAL
   bool intrinsics_per_camera = false;  // false: cameras of one image size share them
   bool strict = false;                 // an unregistered camera is an error

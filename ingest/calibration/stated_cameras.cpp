@@ -88,20 +88,22 @@ StatedCameras read_candidate(const fs::path& capture, const fs::path& candidate,
 
 }  // namespace
 
-std::optional<StatedCameras> stated_cameras(const fs::path& capture, const std::string& source,
+std::optional<StatedCameras> stated_cameras(const fs::path& capture, const PoseSource& source,
                                             const std::vector<std::string>& clips,
                                             const std::vector<std::string>& wanted,
                                             std::vector<std::string>& warnings) {
-  const bool is_searched = source.empty() || source == "colmap";
-  if (source == "n3dv" || source == "llff" || (source.empty() && fs::exists(capture / kRowFile))) {
+  const bool is_found = source.kind == PoseSource::kFound;
+  const bool of_rows = source.kind == PoseSource::kN3dv || source.kind == PoseSource::kLlff;
+  if (of_rows || (is_found && fs::exists(capture / kRowFile))) {
     StatedCameras rows = matched(read_calibration(capture / kRowFile), clips, warnings);
-    if (source.empty()) note_unused_calibration(capture, rows.files, warnings);
+    if (is_found) note_unused_calibration(capture, rows.files, warnings);
     return rows;
   }
-  if (!is_searched) return matched(read_calibration(source), clips, warnings);
+  if (source.kind == PoseSource::kCameras)
+    return matched(read_calibration(source.cameras), clips, warnings);
   std::optional<StatedCameras> found;
   std::vector<fs::path> seen;  // that is used, or warned of
-  for (const fs::path& candidate : candidates_in(capture, source == "colmap")) try {
+  for (const fs::path& candidate : candidates_in(capture, !is_found)) try {
       found = read_candidate(capture, candidate, clips, wanted.empty() ? clips : wanted, warnings);
       seen.insert(seen.end(), found->files.begin(), found->files.end());
       break;
@@ -109,7 +111,7 @@ std::optional<StatedCameras> stated_cameras(const fs::path& capture, const std::
       warnings.push_back(fmt::format("{}: this calibration is not used", error.what()));
       seen.push_back(candidate);
     }
-  if (source.empty()) note_unused_calibration(capture, seen, warnings);
+  if (is_found) note_unused_calibration(capture, seen, warnings);
   return found;
 }
 

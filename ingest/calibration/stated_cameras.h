@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ingest/ingest.h"
 #include "ingest/poses/lens.h"
 #include "ingest/scene.h"
 
@@ -22,16 +23,16 @@ struct StatedCameras {
   std::string note;  // "poses of 6 cameras from sparse_ (COLMAP model)"; empty where it is named
 };
 
-/// The calibration `source` (a file or folder; "n3dv" or "llff": poses_bounds.npy in `capture`), or
-/// what is found in `capture`: where `source` is empty, poses_bounds.npy, a COLMAP model in one of
-/// model_folders(), intri.yml and extri.yml; where it is "colmap", a model alone. The first is
-/// taken that has a camera for each of `wanted` (all of `clips` where it is empty); those before it
-/// are warned of, and so are other files that seem to be calibrations, where `source` is empty.
+/// The calibration `source` (kCameras, or kN3dv or kLlff: poses_bounds.npy in `capture`), or what
+/// is found in `capture`: where it is kFound, poses_bounds.npy, a COLMAP model in one of
+/// model_folders(), intri.yml and extri.yml; where it is kColmap, a model alone. The first is taken
+/// that has a camera for each of `wanted` (all of `clips` where it is empty); those before it are
+/// warned of, and so are other files that seem to be calibrations, where `source` is kFound.
 /// `clips` are the names of all clips, sorted. Nothing where none is taken. Errors: InputError: a
 /// named calibration, or poses_bounds.npy, that cannot be read or has cameras for no clip or, by
 /// row, for another number of them.
 std::optional<StatedCameras> stated_cameras(const std::filesystem::path& capture,
-                                            const std::string& source,
+                                            const PoseSource& source,
                                             const std::vector<std::string>& clips,
                                             const std::vector<std::string>& wanted,
                                             std::vector<std::string>& warnings);

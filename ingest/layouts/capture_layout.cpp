@@ -116,7 +116,8 @@ bool is_sequences(std::optional<ImageLayout> image_layout) {
 /// Whether it is stated where the photos of the capture's COLMAP model lie.
 bool states_photos(const fs::path& capture, const IngestOptions& options) {
   if (options.images.empty() || options.image_layout || !fs::is_directory(capture)) return false;
-  if (!options.poses.source.empty() && options.poses.source != "colmap") return false;
+  const PoseSource::Kind poses = options.poses.source.kind;
+  if (poses != PoseSource::kFound && poses != PoseSource::kColmap) return false;
   const bool is_n3dv = !videos_in(capture).empty() && fs::exists(capture / "poses_bounds.npy");
   return !is_n3dv && !has_transforms(capture) && !find_colmap_model(capture).empty();
 }
@@ -167,9 +168,10 @@ CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageLayout> 
 }
 
 CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
-  const std::string& poses = options.poses.source;
+  using enum PoseSource::Kind;
+  const PoseSource& poses = options.poses.source;
   if (options.layout) return *options.layout;
-  const bool of_cameras = !poses.empty() && poses != "colmap" && poses != "llff";
+  const bool of_cameras = poses.kind == kN3dv || poses.kind == kCameras;
   std::optional<ImageLayout> image_layout = options.image_layout;
   // poses of cameras are no photos': images that could be either are a rig's
   if (of_cameras && !image_layout && fs::is_directory(capture) && videos_in(capture).empty() &&
@@ -180,29 +182,29 @@ CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
   if (options.sample && detected == CaptureLayout::kTransforms &&
       !find_colmap_model(capture).empty())
     return CaptureLayout::kColmap;  // the model has the lenses
-  if (poses.empty() || detected == CaptureLayout::kSequences) return detected;
+  if (poses.kind == kFound || detected == CaptureLayout::kSequences) return detected;
   const bool has_videos = row_of(detected).clips;
-  if (poses == "llff") return CaptureLayout::kLlff;
-  if (poses == "n3dv") {
+  if (poses.kind == kLlff) return CaptureLayout::kLlff;
+  if (poses.kind == kN3dv) {
     if (detected == CaptureLayout::kN3dv) return detected;
     throw InputError(fmt::format(
         "{}: has no videos with a poses_bounds.npy, which --poses n3dv reads; add the file or "
         "leave --poses out",
         capture.string()));
   }
-  if (poses == "colmap") {
+  if (poses.kind == kColmap) {
     if (has_posed_photos(capture, image_layout)) return CaptureLayout::kColmap;
     return has_videos ? CaptureLayout::kVideos : CaptureLayout::kPhotos;
   }
-  if (!fs::exists(poses))
+  if (!fs::exists(poses.cameras))
     throw InputError(fmt::format(
         "--poses '{}': no such file; expected n3dv, llff, colmap or a file or folder of cameras",
-        poses));
+        poses.cameras.string()));
   if (!has_videos)
     throw InputError(fmt::format(
         "{}: has neither videos nor numbered images of several cameras, and --poses {} is for "
         "those; leave it out",
-        capture.string(), poses));
+        capture.string(), poses.cameras.string()));
   return CaptureLayout::kVideos;
 }
 

@@ -36,6 +36,10 @@ const Words<CloudDensity> kCloudWords{{"dense", CloudDensity::kDense},
                                       {"none", CloudDensity::kNone},
                                       {"sparse", CloudDensity::kSparse}};
 const Words<bool> kIntrinsicsWords{{"per-camera", true}, {"shared", false}};
+const Words<PoseSource::Kind> kPoseWords{{"", PoseSource::kFound},
+                                         {"colmap", PoseSource::kColmap},
+                                         {"llff", PoseSource::kLlff},
+                                         {"n3dv", PoseSource::kN3dv}};
 
 template <class Value>
 auto find_word(const Words<Value>& words, const std::string& word) {
@@ -59,6 +63,18 @@ std::string word_of(const Words<Value>& words, const Value& value) {
                                   [&](const auto& row) { return row.second == value; });
   check(found != words.end(), "a value of an option without a word");
   return found->first;
+}
+
+/// A word, or a file or folder of cameras.
+PoseSource pose_source(const std::string& word) {
+  const auto found = find_word(kPoseWords, word);
+  if (found != kPoseWords.end()) return {found->second, {}};
+  return {PoseSource::kCameras, word};
+}
+
+std::string text_of(const PoseSource& source) {
+  return source.kind == PoseSource::kCameras ? source.cameras.string()
+                                             : word_of(kPoseWords, source.kind);
 }
 
 void add_frame_options(CLI::App& command, IngestArguments& arguments) {
@@ -100,7 +116,7 @@ void add_frame_options(CLI::App& command, IngestArguments& arguments) {
 void add_camera_options(CLI::App& command, IngestArguments& arguments) {
   IngestOptions& options = arguments.options;
   command.add_option(
-      "--poses", options.poses.source,
+      "--poses", arguments.poses,
       "source of the poses: n3dv or llff (poses_bounds.npy), colmap (an existing model, else "
       "estimated), or a file or folder of cameras; default: what the folder has");
   command.add_option(
@@ -161,6 +177,7 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
   IngestOptions options = arguments.options;
   check_values(options);
   options.sync.method = value_of(kSyncWords, arguments.sync, "--sync");
+  options.poses.source = pose_source(arguments.poses);
   options.poses.intrinsics_per_camera =
       value_of(kIntrinsicsWords, arguments.intrinsics, "--intrinsics");
   options.poses.strict = options.strict;
@@ -193,8 +210,8 @@ nlohmann::json to_json(const IngestOptions& o) {
           {"image_layout", o.image_layout ? word_of(kLayoutWords, *o.image_layout) : kDefault},
           {"images", o.images},
           {"test_every", o.test_every.value_or(-1)},
-          {"poses", o.poses.source},
-          {"files of the poses", stamps_of(o.poses.source)},
+          {"poses", text_of(o.poses.source)},
+          {"files of the poses", stamps_of(o.poses.source.cameras)},
           {"camera_model", o.poses.lens_model},
           {"intrinsics_per_camera", o.poses.intrinsics_per_camera},
           {"sync", word_of(kSyncWords, o.sync.method)},

@@ -11,7 +11,7 @@ namespace tessera {
 
 struct IngestArguments {
   IngestOptions options;
-  std::string sync = "auto", intrinsics = "shared", cloud, layout;
+  std::string sync = "auto", intrinsics = "shared", cloud, layout, poses;
 };
 
 void add_ingest_options(CLI::App& command, IngestArguments& arguments);

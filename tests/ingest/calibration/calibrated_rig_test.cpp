@@ -54,7 +54,7 @@ class CalibratedRig : public ::testing::Test {
     }
     return model;
   }
-  IngestReport ingest(const std::string& poses = "", IngestOptions options = {}) {
+  IngestReport ingest(const PoseSource& poses = {}, IngestOptions options = {}) {
     options.poses.source = poses;
     options.keep_world = true;
     options.sync.method = SyncMethod::kNone;
@@ -86,8 +86,8 @@ TEST_F(CalibratedRig, VideosWithAModelInEachPlace) {
     SCOPED_TRACE(place);
     const auto at_place = (folder_ / "capture" / place).lexically_normal();
     write_colmap_txt(at_place, model("cam{:02}.png"));
-    for (const char* source : {"", "colmap"}) {
-      const IngestReport report = ingest(source);
+    for (const auto source : {PoseSource::kFound, PoseSource::kColmap}) {
+      const IngestReport report = ingest({source});
       EXPECT_EQ(report.layout, CaptureLayout::kVideos);
       EXPECT_THAT(report.notes, Contains(HasSubstr("poses of 3 cameras from ")));
       EXPECT_THAT(report.warnings, Each(Not(HasSubstr("calibration"))));
@@ -139,8 +139,11 @@ TEST_F(CalibratedRig, AModelThatDoesNotFitIsNamedAndPosesAreEstimated) {
     expect_input_error([&] { ingest(); },
                        {"/bin/false", "sparse_: has no camera for cam01, cam02, cam03",
                         "this calibration is not used"});
-    expect_input_error([&] { ingest(folder_ / "capture/sparse_"); },
-                       {"sparse_: has no camera for cam01, cam02, cam03"});
+    expect_input_error(
+        [&] {
+          ingest({PoseSource::kCameras, folder_ / "capture/sparse_"});
+        },
+        {"sparse_: has no camera for cam01, cam02, cam03"});
   }
   WrittenModel moving = model("cam{:02}/0000.png");
   moving.images.push_back(moving.images[0]);
@@ -150,7 +153,11 @@ TEST_F(CalibratedRig, AModelThatDoesNotFitIsNamedAndPosesAreEstimated) {
   expect_posed(3);
   moving.images.back().translation.x += 1;
   write_colmap_bin(folder_ / "capture/sparse_", moving);
-  expect_input_error([&] { ingest(folder_ / "capture/sparse_"); }, {"a camera that moves"});
+  expect_input_error(
+      [&] {
+        ingest({PoseSource::kCameras, folder_ / "capture/sparse_"});
+      },
+      {"a camera that moves"});
 }
 
 json rig_json() {
@@ -188,7 +195,7 @@ TEST_F(CalibratedRig, OtherCalibrationsAreNamedInOneLine) {
     EXPECT_THAT(report.warnings[0], HasSubstr(part));
   IngestOptions options;
   options.cloud = CloudDensity::kNone;
-  EXPECT_THAT(ingest(folder_ / "capture/cameras.json", options).warnings,
+  EXPECT_THAT(ingest({PoseSource::kCameras, folder_ / "capture/cameras.json"}, options).warnings,
               Each(Not(HasSubstr("not used"))));
   expect_posed(0);
 }
@@ -201,11 +208,12 @@ TEST_F(CalibratedRig, OnlyTheCamerasThatAreTakenNeedAPose) {
   write_colmap_bin(folder_ / "capture/sparse_", two);
   IngestOptions options;
   options.cameras = {"cam01", "cam02"};
-  const IngestReport report = ingest("", options);
+  const IngestReport report = ingest({}, options);
   EXPECT_EQ(report.cameras, 2);
   EXPECT_THAT(report.notes, Contains("poses of 2 cameras from sparse_ (COLMAP model)"));
   expect_input_error([&] { ingest(); }, {"false"});
-  EXPECT_EQ(ingest(folder_ / "capture/sparse_").cameras, 2);  // named: without the third
+  EXPECT_EQ(ingest({PoseSource::kCameras, folder_ / "capture/sparse_"}).cameras,
+            2);  // named: without the third
 }
 
 }  // namespace

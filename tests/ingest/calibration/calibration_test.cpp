@@ -145,12 +145,17 @@ TEST(Calibration, LlffRowsGoByTheOrderOfNames) {
   second.camera.translation = {1, 2, 3};
   write_llff_poses(folder / "p.npy", {first, second});
   std::vector<std::string> warnings;
-  const auto stated = stated_cameras(folder.path(), folder / "p.npy", {"x", "y"}, {}, warnings);
+  const auto stated = stated_cameras(folder.path(), {PoseSource::kCameras, folder / "p.npy"},
+                                     {"x", "y"}, {}, warnings);
   ASSERT_TRUE(stated);
   EXPECT_EQ(stated->cameras[1]->name, "y");
   expect_same_camera(stated->cameras[1]->camera, second.camera, 1e-12);
-  expect_input_error([&] { stated_cameras(folder.path(), folder / "p.npy", {"x"}, {}, warnings); },
-                     {"has 2 rows, the folder has 1 videos"});
+  expect_input_error(
+      [&] {
+        stated_cameras(folder.path(), {PoseSource::kCameras, folder / "p.npy"}, {"x"}, {},
+                       warnings);
+      },
+      {"has 2 rows, the folder has 1 videos"});
 }
 
 // Bug put back: an exception of OpenCV not caught; seen to fail.
@@ -178,14 +183,16 @@ TEST(Calibration, RealRigs) {
   TESSERA_NEED_DATA(studio, "studio");
   std::vector<std::string> names, warnings;
   for (int i = 0; i < 11; ++i) names.push_back(i < 10 ? "cam0" + std::to_string(i) : "cam10");
-  const auto truth =
-      stated_cameras(studio, studio / "ground_truth.json", names, {}, warnings)->cameras;
-  const auto rows = stated_cameras(studio, "n3dv", names, {}, warnings)->cameras;
+  const auto truth = stated_cameras(studio, {PoseSource::kCameras, studio / "ground_truth.json"},
+                                    names, {}, warnings)
+                         ->cameras;
+  const auto rows = stated_cameras(studio, {PoseSource::kN3dv, {}}, names, {}, warnings)->cameras;
   for (size_t i = 0; i < names.size(); ++i)
     expect_same_camera(truth[i]->camera, rows[i]->camera, 1e-6);
   TESSERA_NEED_DATA(videos, "video_4cam");
   const RigCamera camera =
-      *stated_cameras(videos, videos / "cameras_opencv.json", {"cam01", "cam04"}, {}, warnings)
+      *stated_cameras(videos, {PoseSource::kCameras, videos / "cameras_opencv.json"},
+                      {"cam01", "cam04"}, {}, warnings)
            ->cameras[0];
   EXPECT_NEAR(camera.camera.fl_x, 1681.2448, 1e-3);
   EXPECT_NEAR(camera.lens.k2, 0.139983, 1e-9);

@@ -18,7 +18,8 @@ void pose_by_file(const fs::path& file, std::vector<RigClip>& clips) {
   std::vector<std::string> names;
   for (const RigClip& clip : clips) names.push_back(clip.name);
   std::vector<std::string> warnings;
-  const auto stated = stated_cameras(file.parent_path(), file.string(), names, {}, warnings);
+  const auto stated =
+      stated_cameras(file.parent_path(), {PoseSource::kCameras, file}, names, {}, warnings);
   for (size_t i = 0; i < clips.size(); ++i) {
     RigCamera& camera = clips[i].camera.emplace(stated->cameras[i].value());
     const VideoTimeline& timeline = clips[i].timeline;

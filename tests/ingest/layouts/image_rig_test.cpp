@@ -61,7 +61,7 @@ class ImageRig : public ::testing::Test {
     return pixel;
   }
   IngestReport ingest(IngestOptions options = {}) {
-    options.poses.source = folder_ / "cameras.json";
+    options.poses.source = {PoseSource::kCameras, folder_ / "cameras.json"};
     options.keep_world = true;
     options.cloud = CloudDensity::kNone;
     return ingest_capture(folder_ / "capture", folder_ / "scene", options, {});
@@ -152,7 +152,7 @@ TEST_F(ImageRig, RateAndChoiceOfFrames) {
   EXPECT_NEAR(scene.time_axis.duration, 2.0 / 15, 1e-12);
   EXPECT_EQ(scene.frames[8].image.data[0], grey(2, 2));
   EXPECT_EQ(scene.frames[8].split, Split::kTest);
-  options.poses.source = folder_ / "cameras.json";
+  options.poses.source = {PoseSource::kCameras, folder_ / "cameras.json"};
   options.sample = true;
   const IngestReport sample = ingest_capture(folder_ / "capture", folder_ / "sample", options, {});
   EXPECT_EQ(sample.layout, CaptureLayout::kSequences);
@@ -236,7 +236,7 @@ TEST(ImageRigData, FoldersOfBasketball) {
   stated["cameras"] = cameras;
   write_bytes(folder / "cameras.json", stated.dump());
   IngestOptions options;
-  options.poses.source = folder / "cameras.json";
+  options.poses.source = {PoseSource::kCameras, folder / "cameras.json"};
   options.keep_world = true;
   options.cloud = CloudDensity::kNone;
   const IngestReport report = ingest_capture(folder / "capture", folder / "scene", options, {});

@@ -104,7 +104,7 @@ TEST(ImageSequences, AmbiguousNamesAreRefused) {
                        {"2 cameras", "9 numbers in all", "--layout rig", "--layout photos"});
     EXPECT_EQ(detect_layout(folder.path(), ImageLayout::kRig), CaptureLayout::kSequences);
     IngestOptions options;  // poses of cameras decide
-    options.poses.source = folder / "cameras.json";
+    options.poses.source = {PoseSource::kCameras, folder / "cameras.json"};
     EXPECT_EQ(layout_of(folder.path(), options), CaptureLayout::kSequences) << pattern;
   }
   const TemporaryFolder dropped;  // cameras by name, half of the numbers missing in one

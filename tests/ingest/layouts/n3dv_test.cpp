@@ -198,7 +198,7 @@ TEST_F(N3dv, TheWindowIsOfTimesNotOfIndices) {
 // Bug put back: the start looked at when COLMAP has placed the cameras; seen to fail.
 TEST_F(N3dv, AStartBeyondTheClipsIsRefusedBeforeColmap) {
   IngestOptions options;
-  options.poses.source = "colmap";
+  options.poses.source.kind = PoseSource::kColmap;
   options.start = 100;
   options.work = folder_ / "work";
   for (const std::vector<std::string>& cameras :

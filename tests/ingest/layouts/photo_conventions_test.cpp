@@ -205,7 +205,7 @@ TEST(Layouts, DamagedModelNamesThePosesBesideIt) {
   expect_input_error([&] { ingest_capture(capture, folder / "scene", {}, {}); },
                      {"images.bin", "--poses llff", "poses_bounds.npy"});
   IngestOptions options;
-  options.poses.source = "llff";
+  options.poses.source.kind = PoseSource::kLlff;
   options.cloud = CloudDensity::kNone;
   EXPECT_EQ(ingest_capture(capture, folder / "scene", options, {}).layout, CaptureLayout::kLlff);
   options.sample = true;

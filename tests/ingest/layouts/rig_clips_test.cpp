@@ -40,7 +40,7 @@ class RigOfVideos : public ::testing::Test {
   IngestReport ingest(bool strict = false) {
     write_bytes(folder_ / "cameras.json", json{{"cameras", cameras_}}.dump());
     IngestOptions options;
-    options.poses.source = folder_ / "cameras.json";
+    options.poses.source = {PoseSource::kCameras, folder_ / "cameras.json"};
     options.strict = strict;
     options.sync.method = SyncMethod::kNone;
     options.cloud = CloudDensity::kNone;
@@ -142,7 +142,7 @@ TEST_F(RigOfVideos, TheTableNamesCamerasOfOtherRatesAndShortOnes) {
   write_bytes(folder_ / "cameras.json", json{{"cameras", cameras_}}.dump());
   write_bytes(folder_ / "offsets.txt", offsets);
   IngestOptions options;
-  options.poses.source = folder_ / "cameras.json";
+  options.poses.source = {PoseSource::kCameras, folder_ / "cameras.json"};
   options.sync.offsets = folder_ / "offsets.txt";
   options.cloud = CloudDensity::kNone;
   const IngestReport report = ingest_capture(folder_ / "capture", folder_ / "scene", options, {});
