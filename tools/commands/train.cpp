@@ -208,9 +208,9 @@ void add_train_command(CLI::App& app, Work& work) {
   command.add_option("scene", parsed->request.scene, "prepared scene or D-NeRF folder")->required();
   command.add_option("-o,--out", parsed->request.run, "run folder")->required();
   command
-      .add_flag("--resume", parsed->resume,
-                "resume from the checkpoint of the run folder, with its options; --resume=auto: "
-                "start, resume, or do nothing, by what the run folder holds and what is asked for")
+      .add_flag(
+          "--resume", parsed->resume,
+          "resume from the checkpoint, with its options; =auto: start, resume or leave as it is")
       ->check(CLI::IsMember({"auto", "true"}));
   command.add_flag("--overwrite", parsed->request.overwrite,
                    "replace the run that is there once the new one is complete");
