@@ -100,7 +100,8 @@ std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunF
 bool can_resume(const TrainRequest& request, const RunFolder& run) {
   if (!run.exists() || !std::filesystem::exists(run.checkpoint())) return false;
   const std::string made_for = run.made_for();
-  if (!made_for.empty() && made_for != request.made_for) return false;
+  const bool by_hand = made_for.empty() || json::parse(made_for, nullptr, false).is_object();
+  if (!by_hand && made_for != request.made_for) return false;
   const json config = json::parse(read_text_file(run.config()), nullptr, false);
   return config.is_object() && config.value("asked_options", json()) == to_json(request.options);
 }

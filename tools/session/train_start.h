@@ -53,7 +53,7 @@ bool resolve_motion(Backend& backend, const Scene& scene,
 std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run);
 
 /// Whether `run` holds a checkpoint of the begun training of `request`: of these options, and made
-/// for the same caller or by hand.
+/// for the same caller, or by hand, which config.json then describes by an object.
 bool can_resume(const TrainRequest& request, const RunFolder& run);
 
 /// config.json: versions, options, scene, device.
