@@ -151,7 +151,7 @@ class ViewedTraining {
 };
 
 /// --resume=auto: what is done where `place` holds an earlier run. False: nothing is left to do.
-bool plan_training(TrainRequest& request, const fs::path& place) {
+bool plan_training(TrainRequest& request, const fs::path& place, TrainingTerminal& terminal) {
   const RunFolder run{place};
   const RunPlan plan = plan_run(record_of(run, request.scene),
                                 nlohmann::json::parse(request.made_for), request.overwrite);
@@ -161,6 +161,7 @@ bool plan_training(TrainRequest& request, const fs::path& place) {
   if (plan.action == RunAction::kReplace) return true;
   request.overwrite = true;  // no finished run is there
   if (request.resume || !fs::exists(run.checkpoint())) return true;
+  const RunLock lock(place, terminal);  // not that of a training that runs
   const fs::path aside = run.set_checkpoint_aside();
   warn(text_of_aside(run.checkpoint(), plan.changed, aside));
   return true;
@@ -172,7 +173,7 @@ int train_and_report(TrainRequest request, bool decides, bool as_json, bool with
     TrainingTerminal terminal;
     const fs::path place = request.run;
     complete_move(place, terminal);
-    if (decides && !plan_training(request, place)) {
+    if (decides && !plan_training(request, place, terminal)) {
       const nlohmann::json result = recorded_result(RunFolder{place});
       print_result(as_json, result, training_text(result) + "\ndone before, unchanged");
       return kExitDone;
