@@ -45,7 +45,7 @@ function scoreTable(runs: Run[]): HTMLElement {
     score(runs, "LPIPS", (run) => run.scores.lpips, (value) => fixed(value, 4), "low"),
     score(runs, "lowest timestep", (run) => run.worst && run.worst.psnr, decibels, "high"),
     score(runs, "command", (run) => run.seconds.command, timeWords, "low"),
-    score(runs, "4D file", (run) => run.size.player_bytes, sizeWords, "low"),
+    score(runs, "player page", (run) => run.size.player_bytes, sizeWords, "low"),
     score(runs, "static", (run) => run.size.static, (count) => shortNumber(count ?? 0), ""),
     score(runs, "dynamic", (run) => run.size.dynamic, (count) => shortNumber(count ?? 0), ""),
   ].filter((column) => column !== null);

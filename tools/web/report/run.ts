@@ -59,7 +59,7 @@ function tiles(run: Run): Tile[] {
   const training = run.seconds.training;
   add("Whole command", run.seconds.command, timeWords(run.seconds.command),
     training === null ? "" : `training ${timeWords(training)}`);
-  add("4D file", size.player_bytes, sizeWords(size.player_bytes),
+  add("Player page", size.player_bytes, sizeWords(size.player_bytes),
     size.model_bytes === null ? "" : `model ${sizeWords(size.model_bytes)}`);
   if (size.player_bytes === null) add("Model", size.model_bytes, sizeWords(size.model_bytes));
   made.push(["Gaussians", shortNumber(size.static + size.dynamic),
