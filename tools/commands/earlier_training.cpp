@@ -3,44 +3,22 @@
 
 #include <fmt/format.h>
 
-#include <sstream>
-
 #include "ingest/files/atomic_file.h"
 #include "recon4d/options/train_options_json.h"
+#include "tools/live/stopped_training.h"
 
 namespace tessera {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-json asked_of_training(const std::string& preset, const std::string& ablation,
-                       const PlannedOptions& planned, const std::string& scene_key) {
+json asked_of_training(const TrainArguments& arguments, const PlannedOptions& planned) {
   json options = to_json(planned.options);
   if (planned.with_nodes) options["with_nodes"] = to_json(*planned.with_nodes);
-  return {{"preset", preset},
-          {"ablation", ablation},
-          {"files of the scene", scene_key},
+  return {{"preset", arguments.preset},
+          {"ablation", arguments.ablation},
           {"options", std::move(options)}};
 }
-
-namespace {
-
-/// What the last session of a training ended with; null where it was killed, or the log is gone.
-json last_result(const RunFolder& run) {
-  json result;
-  if (!fs::exists(run.log())) return result;
-  std::istringstream lines(read_text_file(run.log()));
-  for (std::string line; std::getline(lines, line);) {
-    json event = json::parse(line, nullptr, false);
-    if (!event.is_object()) continue;
-    const std::string name = event.value("event", "");
-    if (name == "start") result = nullptr;
-    if (name == "end") result = std::move(event);
-  }
-  return result;
-}
-
-}  // namespace
 
 json recorded_result(const RunFolder& run) {
   json result = last_result(run);

@@ -8,14 +8,15 @@
 #include "kernels/base/errors.h"
 #include "recon4d/options/presets.h"
 #include "tools/cli/run_record.h"
+#include "tools/cli/train_arguments.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {
 
-/// What identifies a training: neither the device, nor where files lie, nor limits of a call.
-/// `scene_key`: of the content of the scene.
-nlohmann::json asked_of_training(const std::string& preset, const std::string& ablation,
-                                 const PlannedOptions& planned, const std::string& scene_key);
+/// What identifies a training beside the content of its scene, which the caller adds as
+/// kSceneFiles: neither the device, nor where files lie, nor limits of a call.
+nlohmann::json asked_of_training(const TrainArguments& arguments, const PlannedOptions& planned);
+inline constexpr const char* kSceneFiles = "files of the scene";
 
 /// Its request is that of config.json. Of a training by a version that did not record it, preset,
 /// ablation and options, where it was of this scene; null where it was of another.

@@ -73,9 +73,8 @@ constexpr const char* kAsked = "asked";  // the entry of the request, which is d
 json asked_of(const RunRequest& request) {
   json asked = to_json(resolve_ingest(request.ingest));
   asked["files of the capture"] = key_of(file_stamps(request.capture));
-  asked.update(asked_of_training(request.training.preset, request.training.ablation,
-                                 resolve_options(request.training, SceneFacts{}), ""));
-  asked.erase("files of the scene");  // they follow from those of the capture
+  asked.update(
+      asked_of_training(request.training, resolve_options(request.training, SceneFacts{})));
   return asked;
 }
 
@@ -211,8 +210,8 @@ class Runner {
   }
 
   bool train() {
-    const json inputs = asked_of_training(request_.training.preset, request_.training.ablation,
-                                          planned_, scene_key_);
+    json inputs = asked_of_training(request_.training, planned_);
+    inputs[kSceneFiles] = scene_key_;
     const RunPlan plan = plan_run({fs::exists(run_.checkpoint()), fs::exists(run_.model()),
                                    ledger_.is_finished(kTrain.entry), ledger_.inputs(kTrain.entry)},
                                   inputs, request_.overwrite);

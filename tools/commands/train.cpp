@@ -234,9 +234,13 @@ void add_train_command(CLI::App& app, Work& work) {
       set_thread_count(arguments.threads);
       check_output_apart(request.run, request.scene);
       PlannedOptions planned = resolve_options(arguments, request.scene);
-      request.made_for = asked_of_training(arguments.preset, arguments.ablation, planned,
-                                           key_of(file_stamps(request.scene)))
-                             .dump();
+      if (request.resume) {
+        request.made_for = RunFolder{request.run}.made_for();
+      } else {
+        nlohmann::json asked = asked_of_training(arguments, planned);
+        asked[kSceneFiles] = key_of(file_stamps(request.scene));
+        request.made_for = asked.dump();
+      }
       request.options = std::move(planned.options);
       request.with_nodes = std::move(planned.with_nodes);
       request.preset = arguments.preset;
@@ -249,7 +253,6 @@ void add_train_command(CLI::App& app, Work& work) {
       const bool more_steps =
           arguments.given.size() == 1 && arguments.given.count("iterations") > 0;
       if (request.resume && more_steps) request.more_iterations = request.options.iterations;
-      if (request.resume) request.made_for = RunFolder{request.run}.made_for();
       // without a checkpoint the session refuses, which is the better advice
       if (request.resume && std::filesystem::exists(RunFolder{request.run}.checkpoint()) &&
           ((!arguments.given.empty() && !more_steps) || !arguments.config.empty() ||

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -13,33 +14,23 @@
 #include "tools/batch/engine.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_successor.h"
+#include "tools/report/log_events.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::streamoff kTailBytes = 65536;  // that hold the last event
-
 /// `path` has the stages of a `tessera run`.
 bool is_of_run(const fs::path& path) {
   return fs::is_regular_file(path / "stages.json");
 }
 
-/// Whether the last session of a training has found it finished at `step`, as by patience: the end
-/// of its log has the result.
+/// Whether the last session of a training has found it finished at `step`, as by patience.
 bool has_ended_at(const RunFolder& run, int64_t step) {
-  std::ifstream log(run.log());
-  log.seekg(0, std::ios::end);
-  log.seekg(std::max<std::streamoff>(0, log.tellg() - kTailBytes));
-  bool ended = false;
-  for (std::string line; std::getline(log, line);) {
-    const nlohmann::json event = nlohmann::json::parse(line, nullptr, false);
-    if (!event.is_object()) continue;
-    ended = event.value("event", "") == "end" && event.value("finished", false) &&
-            event.value("iterations", int64_t{-1}) == step;
-  }
-  return ended;
+  const nlohmann::json result = last_result(run);
+  return result.is_object() && result.value("finished", false) &&
+         result.value("iterations", int64_t{-1}) == step;
 }
 
 std::string resume_advice(const fs::path& path, const RunFolder& run) {
@@ -49,6 +40,14 @@ std::string resume_advice(const fs::path& path, const RunFolder& run) {
 }
 
 }  // namespace
+
+nlohmann::json last_result(const RunFolder& run) {
+  std::ifstream file(run.log());
+  const std::string log{std::istreambuf_iterator<char>(file), {}};
+  const std::vector<nlohmann::json> events = log_events(log);
+  const bool has_ended = !events.empty() && text_at(events.back(), "event") == "end";
+  return has_ended ? events.back() : nlohmann::json();
+}
 
 std::optional<StoppedTraining> stopped_training(const RunFolder& run) {
   std::error_code absent;

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,10 @@
 #include "tools/session/run_folder.h"
 
 namespace tessera {
+
+/// What the last session of a training printed at its end, with `event`; null where it has not come
+/// to an end.
+nlohmann::json last_result(const RunFolder& run);
 
 struct StoppedTraining {
   int64_t step = 0, total = 0;

@@ -76,8 +76,8 @@ TEST_F(CliResumeAuto, KnowsWhatAResumedTrainingWasBegunWith) {
                       {"changed: iterations 24 → 20"});
 }
 
-// Bugs put back: another request overwrites the checkpoint of hours; that of a training that runs is
-// renamed; seen to fail.
+// Bugs put back: another request overwrites the checkpoint of hours; that of a training that runs
+// is renamed; seen to fail.
 TEST_F(CliResumeAuto, SetsTheCheckpointOfAnotherRequestAside) {
   EXPECT_EQ(work.train("run", {"--stop-after", "2"}).exit_code, 0);
   {
