@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ingest/camera_row.h"
+#include "kernels/base/enum_names.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -25,6 +26,11 @@ enum class SyncMethod { kAuto, kNone, kContainer, kAudio, kMotion };
 
 /// Initial cloud of the prepared scene: none, what the capture has, or a plane sweep added to it.
 enum class CloudDensity { kNone, kSparse, kDense };
+
+/// What a prepared scene of clips has: an image file a frame, or the source videos by reference.
+enum class FramesAs { kPng, kVideo };
+template <>
+inline constexpr const char* kEnumNames<FramesAs>[] = {"png", "video"};
 
 inline constexpr int64_t kCloudPoints = 100000;  // most that a plane sweep finds by default
 inline constexpr double kImageRate = 30;         // numbers per second of images that state none
@@ -69,8 +75,9 @@ struct IngestOptions {
   std::optional<double> image_rate;  // numbered images: numbers per second; by default `fps`,
                                      // which chooses no frames of them, else 30
   std::string images;                // photo sets: the folder of the photos; empty: images
-  bool strict = false;               // missing or unreadable images and photos without a
-                                     // pose are errors; otherwise they are warned of
+  FramesAs frames_as = FramesAs::kPng;
+  bool strict = false;  // missing or unreadable images and photos without a
+                        // pose are errors; otherwise they are warned of
   // Images 0, N, 2N … by name are the test split, of photo sets, of transforms files that state no
   // test frames, and frames of a single camera; 0: none. By default 8 for photos and for a camera
   // that moves, as in the usual protocol.

@@ -101,6 +101,7 @@ struct Capture {
   bool is_static = false;
   bool has_points = false;  // points.ply lies beside transforms.json
   std::vector<SourceFile> sources;
+  bool by_reference = false;  // frames stay in the clips, which transforms.json describes
 };
 
 /// Takes the far_origin() of all poses, which are stated, out of them, beside `origin` that was

@@ -24,7 +24,7 @@ std::map<size_t, size_t> equal_images(const Scene& scene,
                                       const std::vector<std::filesystem::path>& images) {
   std::map<uintmax_t, std::vector<size_t>> of_size;
   for (size_t i = 0; i < images.size(); ++i)
-    of_size[std::filesystem::file_size(images[i])].push_back(i);
+    if (!images[i].empty()) of_size[std::filesystem::file_size(images[i])].push_back(i);
   std::map<size_t, size_t> equal;
   for (const auto& [size, places] : of_size) {
     std::map<std::string, size_t> training;

@@ -16,8 +16,8 @@ struct Leakage {
   Findings findings;
 };
 
-/// `images`: the file of each frame of the scene; the scene needs no pixels. Only files of equal
-/// size are read.
+/// `images`: the file of each frame of the scene, empty of a clip's; the scene needs no pixels.
+/// Only files of equal size are read.
 Leakage check_leakage(const Scene& scene, const std::vector<std::filesystem::path>& images);
 
 }  // namespace tessera

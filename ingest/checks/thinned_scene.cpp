@@ -2,10 +2,9 @@
 #include "ingest/checks/thinned_scene.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "ingest/checks/stations.h"
-#include "ingest/files/png.h"
-#include "ingest/images/alpha_and_mask.h"
 #include "ingest/images/resampling.h"
 #include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"
@@ -34,40 +33,40 @@ std::vector<int> chosen_frames(const Scene& scene, const Thinning& thinning) {
   return chosen;
 }
 
-void load_pixels(Frame& frame, const std::filesystem::path& file, const Thinning& thinning,
-                 std::array<uint8_t, 3> background) {
-  Image8 image = read_png(file);
-  if (image.channels != 3) image = composite_on(image, background);
-  const double scale =
-      std::min(1.0, double(thinning.largest) / std::max(image.width, image.height));
-  if (scale < 1) {
-    const int width = scaled_side(image.width, scale);
-    const int height = scaled_side(image.height, scale);
-    frame.camera = frame.camera.resized(width, height);
-    image = scale_image(image, width, height);
-  }
-  frame.image = std::move(image);
+void reduce(const Thinning& thinning, Frame& frame) {
+  const int side = std::max(frame.image.width, frame.image.height);
+  const double scale = std::min(1.0, double(thinning.largest) / side);
+  if (scale == 1) return;
+  const int width = scaled_side(frame.image.width, scale);
+  const int height = scaled_side(frame.image.height, scale);
+  frame.camera = frame.camera.resized(width, height);
+  frame.image = scale_image(frame.image, width, height);
 }
 
 }  // namespace
 
 ThinnedScene thinned_scene(const std::filesystem::path& folder, const Thinning& thinning) {
+  const SceneFiles files(folder, true);
   SceneOptions options;
-  options.allow_static = true;
   options.load_pixels = false;
   ThinnedScene thinned;
-  thinned.all = load_scene(folder, options);
+  thinned.all = files.load(options);
   for (const TransformsFrame& listed : read_transforms(folder).frames)
     thinned.images.push_back(listed.image);
+  options.load_pixels = true;
   const std::vector<int> chosen = chosen_frames(thinned.all, thinning);
   thinned.sample = thinned.all;
   thinned.sample.frames.clear();
-  for (const int i : chosen) thinned.sample.frames.push_back(thinned.all.frames[size_t(i)]);
-  parallel_for(int64_t(chosen.size()), 1, [&](int64_t begin, int64_t end) {
-    for (auto k = size_t(begin); k < size_t(end); ++k)
-      load_pixels(thinned.sample.frames[k], thinned.images[size_t(chosen[k])], thinning,
-                  thinned.all.background);
-  });
+  const size_t chunk = 4 * size_t(thread_count());  // as many are in memory in their own size
+  for (size_t start = 0; start < chosen.size(); start += chunk) {
+    const auto from = chosen.begin() + std::ptrdiff_t(start);
+    options.frames.emplace(from, from + std::ptrdiff_t(std::min(chunk, chosen.size() - start)));
+    std::vector<Frame> frames = files.load(options).frames;
+    parallel_for(int64_t(frames.size()), 1, [&](int64_t begin, int64_t end) {
+      for (auto k = size_t(begin); k < size_t(end); ++k) reduce(thinning, frames[k]);
+    });
+    std::move(frames.begin(), frames.end(), std::back_inserter(thinned.sample.frames));
+  }
   return thinned;
 }
 

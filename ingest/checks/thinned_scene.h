@@ -16,7 +16,7 @@ struct Thinning {
 struct ThinnedScene {
   Scene all;                                  // every frame, no pixels; the cloud
   Scene sample;                               // the chosen frames with pixels; the cloud
-  std::vector<std::filesystem::path> images;  // of every frame of `all`
+  std::vector<std::filesystem::path> images;  // of every frame of `all`; empty of a clip's
 };
 
 /// Errors: as load_scene.

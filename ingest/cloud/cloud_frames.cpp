@@ -19,7 +19,8 @@ Frame without_pixels(const Frame& frame) {
 
 }  // namespace
 
-FolderFrames::FolderFrames(const std::filesystem::path& folder) : files_(folder, true) {
+FolderFrames::FolderFrames(const std::filesystem::path& folder, const std::optional<Window>& window)
+    : files_(folder, true, window) {
   SceneOptions options;
   options.load_pixels = false;
   listed_ = files_.load(options);

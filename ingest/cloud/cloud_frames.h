@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "ingest/prepared/scene_reader.h"
@@ -19,11 +20,12 @@ class CloudFrames {
   virtual Scene at(const std::vector<int64_t>& timesteps) const = 0;
 };
 
-/// Of a folder that load_scene can read, on black.
+/// Of a folder that load_scene can read, or of a window of it, on black.
 class FolderFrames : public CloudFrames {
  public:
   /// Errors: as load_scene.
-  explicit FolderFrames(const std::filesystem::path& folder);
+  explicit FolderFrames(const std::filesystem::path& folder,
+                        const std::optional<Window>& window = {});
   const Scene& listed() const override { return listed_; }
   Scene at(const std::vector<int64_t>& timesteps) const override;
 

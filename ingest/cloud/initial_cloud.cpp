@@ -73,9 +73,9 @@ class Clip {
 };
 
 /// A timestep and those beside it, each loaded once while the timesteps ascend.
-class Window {
+class Neighbours {
  public:
-  explicit Window(const Clip& clip) : clip_(clip) {}
+  explicit Neighbours(const Clip& clip) : clip_(clip) {}
   void move_to(int64_t place) {
     place_ = place;
     std::erase_if(scenes_, [&](const auto& scene) { return scene.first < place - 1; });
@@ -147,7 +147,7 @@ class MovingPoints {
     return points;
   }
 
-  Window window_;
+  Neighbours window_;
   CloudOptions options_;
   std::shared_ptr<const StillPixels> still_pixels_;
   PixelSearch* device_;

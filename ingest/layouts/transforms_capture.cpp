@@ -1,10 +1,13 @@
 // Reads D-NeRF, NeRF-synthetic, Nerfstudio and prepared captures. Alpha is kept; the background is
 // chosen when a scene is loaded.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
 #include "ingest/layouts/layout_readers.h"
 #include "ingest/prepared/transforms_json.h"
+#include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
@@ -28,6 +31,10 @@ CaptureFrame frame_of(const TransformsFrame& listed) {
 
 Capture read_transforms_layout(const std::filesystem::path& folder, const IngestOptions& options) {
   TransformsCapture listed = read_transforms_capture(folder);
+  if (!listed.clips.empty())
+    throw InputError(fmt::format(
+        "{}: is a prepared scene whose frames are in {}; prepare that capture again instead",
+        folder.string(), listed.clips.front().files.front().parent_path().string()));
   Capture capture;
   capture.folder = folder;
   capture.layout = "transforms";

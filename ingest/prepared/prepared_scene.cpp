@@ -8,6 +8,7 @@
 #include "ingest/colmap/colmap_records.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/poses/pose_matrix.h"
+#include "ingest/prepared/scene_clip.h"
 
 namespace tessera {
 namespace {
@@ -80,6 +81,49 @@ const char* applied_masks(const Capture& scene) {
   return scene.inverted_masks ? "white ignored (inverted)" : "black ignored";
 }
 
+std::string hash_of(const Capture& scene, const std::filesystem::path& video) {
+  const std::string name = video.lexically_relative(scene.folder).string();
+  const auto found = std::find_if(scene.sources.begin(), scene.sources.end(),
+                                  [&](const SourceFile& file) { return file.name == name; });
+  return found == scene.sources.end() ? "" : found->hash;
+}
+
+/// A clip whose frames stay in it.
+SceneClip scene_clip(const Capture& scene, const RigClip& clip, const CaptureCamera& camera) {
+  SceneClip kept;
+  kept.camera = clip.name;
+  kept.files = {std::filesystem::absolute(clip.video)};
+  for (const std::filesystem::path& chapter : clip.chapters)
+    kept.files.push_back(std::filesystem::absolute(chapter));
+  for (std::filesystem::path& file : kept.files) {
+    file = file.lexically_normal();
+    kept.bytes.push_back(int64_t(std::filesystem::file_size(file)));
+  }
+  kept.hash = hash_of(scene, clip.video);
+  kept.chapters = clip.timeline.chapters;
+  kept.time_base = clip.timeline.time_base;
+  kept.time_offset = camera.time_offset;
+  kept.stored = clip.camera->camera;
+  kept.lens = clip.camera->lens;
+  kept.lens_model = clip.camera->lens_model;
+  kept.scale = scene.scale;
+  for (const CaptureFrame& frame : scene.frames) {
+    if (frame.frame.camera_name != clip.name) continue;
+    kept.split = frame.frame.split;
+    kept.prepared = frame.frame.camera;
+    kept.mask_path = frame.mask_path;
+    kept.ticks.push_back(*frame.ticks);
+  }
+  return kept;
+}
+
+ordered_json clips_json(const Capture& scene) {
+  ordered_json clips = ordered_json::array();
+  for (size_t i = 0; i < scene.clips.size(); ++i)
+    clips.push_back(to_json(scene_clip(scene, scene.clips[i], scene.cameras[i])));
+  return clips;
+}
+
 ordered_json tessera_json(const Capture& scene) {
   ordered_json cameras = ordered_json::array(), sources = ordered_json::object();
   for (const CaptureCamera& camera : scene.cameras) {
@@ -97,7 +141,7 @@ ordered_json tessera_json(const Capture& scene) {
   }
   const std::string removed = removed_models(scene);
   for (const SourceFile& source : scene.sources) sources[source.name] = source.hash;
-  return {{"format_version", 1},
+  return {{"format_version", scene.by_reference ? 2 : 1},
           {"layout", scene.layout},
           {"applied",
            {{"scale", scene.scale},
@@ -122,8 +166,10 @@ void write_prepared_scene(const std::filesystem::path& folder, const Capture& sc
   ordered_json file{{"camera_model", "PINHOLE"}};
   if (scene.has_points) file["ply_file_path"] = "points.ply";
   file["tessera"] = tessera_json(scene);
+  if (scene.by_reference) file["tessera"]["clips"] = clips_json(scene);
   ordered_json frames = ordered_json::array();
-  for (const CaptureFrame& frame : scene.frames) frames.push_back(frame_json(frame));
+  if (!scene.by_reference)
+    for (const CaptureFrame& frame : scene.frames) frames.push_back(frame_json(frame));
   file["frames"] = std::move(frames);
   write_text_file(folder / "transforms.json", file.dump(1) + "\n");
 }

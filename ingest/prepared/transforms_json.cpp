@@ -13,6 +13,7 @@
 #include "ingest/images/image_index.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/poses/transforms_values.h"
+#include "ingest/prepared/clip_frame_list.h"
 #include "ingest/prepared/frame_times.h"
 #include "ingest/prepared/times_and_cameras.h"
 #include "kernels/base/errors.h"
@@ -114,7 +115,7 @@ TransformsFrame parse_frame(const json& entry, const json& file, const StatedInt
 
 void read_prepared_object(const json& object, const std::string& where,
                           TransformsCapture& capture) {
-  constexpr double kVersion = 1;
+  constexpr double kVersion = 2;  // 1: every frame is an image
   const double version = finite_number(object, "format_version", where).value_or(kVersion);
   if (version > kVersion)
     throw InputError(fmt::format(
@@ -148,6 +149,7 @@ void read_file(const std::filesystem::path& path, Split split_of_file, Images im
     capture.frames.push_back(
         parse_frame((*frames)[i], file, globals, path, i, split_of_file, images, found));
   for (std::string& line : found.lines()) capture.warnings.push_back(std::move(line));
+  if (file.contains("tessera")) add_clip_frames(file["tessera"], path, capture);
 }
 
 /// The same image may be in two splits (val copied from test); its second name has the split.
@@ -196,8 +198,9 @@ TransformsCapture read_files(const std::filesystem::path& folder, Images images)
 void leave_out_missing(TransformsCapture& capture) {
   const std::string first = capture.frames.front().where;
   std::erase_if(capture.frames, [&](const TransformsFrame& frame) {
-    if (frame.image.empty()) capture.missing.push_back(frame.name);
-    return frame.image.empty();
+    const bool missing = frame.image.empty() && frame.clip < 0;
+    if (missing) capture.missing.push_back(frame.name);
+    return missing;
   });
   if (capture.frames.empty())
     throw InputError(fmt::format("{}: no such image, nor any of the {} others; restore them", first,

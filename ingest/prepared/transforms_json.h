@@ -13,13 +13,16 @@
 #include "ingest/clocks/timesteps.h"
 #include "ingest/poses/intrinsics.h"
 #include "ingest/poses/transforms_values.h"
+#include "ingest/prepared/scene_clip.h"
 #include "ingest/scene.h"
 
 namespace tessera {
 
 struct TransformsFrame {
   std::string where;            // "transforms_train.json, frame 3 (./train/r_3)", for messages
-  std::filesystem::path image;  // an existing file
+  std::filesystem::path image;  // an existing file; empty: a frame of a clip
+  int clip = -1;                // of TransformsCapture::clips; −1: it is an image file
+  int64_t ticks = 0;            // within the clip
   std::filesystem::path mask;   // mask_path, an existing file; empty: none is stated
   std::string name;             // file_path without "./", ".." and extension; unique
   std::string camera_name;
@@ -30,12 +33,13 @@ struct TransformsFrame {
   std::map<std::string, double> other_times;  // by key (frame_times.h)
   StatedIntrinsics intrinsics;                // of the frame, else of the file
   StatedLens lens;                            // likewise; a pinhole where read_transforms read it
-  Camera camera;                              // pose only
+  Camera camera;                              // pose only; of a clip's frame all of it
 };
 
 struct TransformsCapture {
   std::vector<std::filesystem::path> files;  // the json files, in reading order
   std::vector<TransformsFrame> frames;       // never empty; all have a time or none has
+  std::vector<SceneClip> clips;              // of a prepared scene of videos
   std::string points_file;                   // ply_file_path, empty when not stated
   std::optional<TimeAxis> prepared_axis;     // set where a `tessera` object is present
   bool prepared_static = false;

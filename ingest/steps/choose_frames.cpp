@@ -1,9 +1,11 @@
 // Frames of clips are listed here; frames that a transforms file lists are counted by their times.
+// The times of all are normalised together.
 #include <fmt/format.h>
 
 #include <map>
 #include <set>
 
+#include "ingest/clocks/timesteps.h"
 #include "ingest/steps/clip_times.h"
 #include "ingest/steps/kept_frames.h"
 #include "ingest/steps/sample.h"
@@ -52,6 +54,25 @@ Capture choose_frames(Capture capture, const StepContext& context) {
   for (size_t i = 0; i < kept.size(); ++i)
     for (size_t k = 0; k < kept[i].size(); ++k)
       capture.frames.push_back(frame_of(capture, i, kept[i][k], int64_t(k), times[i][kept[i][k]]));
+  return capture;
+}
+
+Capture set_times(Capture capture, const StepContext& context) {
+  capture.is_static = true;
+  capture.time_axis = capture.stated_axis.value_or(TimeAxis{});
+  std::vector<double> stated;
+  for (const CaptureFrame& frame : capture.frames) stated.push_back(frame.frame.time);
+  NormalisedTimes times{std::vector<double>(stated.size(), 0.0), capture.time_axis, true};
+  if (capture.is_timed) {
+    const IngestOptions& options = context.options;
+    const bool one_timestep =
+        options.allow_static || (!capture.clips.empty() && options.frames == 1);
+    times = normalise_times(stated, one_timestep, capture.times_from.string());
+    if (capture.stated_axis && !times.is_static) times = {stated, *capture.stated_axis, false};
+  }
+  for (size_t i = 0; i < stated.size(); ++i) capture.frames[i].frame.time = times.time[i];
+  capture.time_axis = times.axis;
+  capture.is_static = times.is_static;
   return capture;
 }
 

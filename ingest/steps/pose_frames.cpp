@@ -5,6 +5,7 @@
 #include "ingest/clocks/frame_window.h"
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/png.h"
 #include "ingest/layouts/layout_readers.h"
 #include "ingest/steps/pose_hints.h"
 #include "ingest/steps/prepared_image.h"
@@ -49,7 +50,7 @@ std::string write_frames(const RigClip& clip, const std::vector<int64_t>& ticks,
   int64_t count = 0;
   decode_clip(clip, ticks, [&](VideoFrame decoded) {
     tone_map = tone_map_of(decoded.colour);
-    write_prepared_image(folder / fmt::format("{:06}.png", count++), std::move(decoded.image), 1);
+    write_png(folder / fmt::format("{:06}.png", count++), decoded.image);
     progress("decoding " + clip.video.filename().string(), count, int64_t(ticks.size()));
     return true;
   });

@@ -30,12 +30,6 @@ void convert_images(size_t count, const IngestProgress& progress,
   }
 }
 
-void write_prepared_image(const std::filesystem::path& path, Image8 image, double scale) {
-  image = scale_image(image, scaled_side(image.width, scale), scaled_side(image.height, scale));
-  if (image.channels == 1) image = composite_on(image, {0, 0, 0});  // grey has no alpha: repeated
-  write_png(path, image);
-}
-
 ImagePreparation::ImagePreparation(const Camera& camera, const Lens& lens, const std::string& where,
                                    double scale)
     : stored_(camera), pinhole_(camera), lens_(lens), scale_(scale) {
@@ -49,9 +43,11 @@ Camera ImagePreparation::camera() const {
                           scaled_side(pinhole_.height, scale_));
 }
 
-void ImagePreparation::write_image(const std::filesystem::path& path, Image8 image) const {
+Image8 ImagePreparation::prepared(Image8 image) const {
   if (undistortion_) image = undistortion_->apply(image);
-  write_prepared_image(path, std::move(image), scale_);
+  image = scale_image(image, scaled_side(image.width, scale_), scaled_side(image.height, scale_));
+  return image.channels == 1 ? composite_on(image, {0, 0, 0})
+                             : image;  // grey has no alpha: repeated
 }
 
 void ImagePreparation::write_mask(const std::filesystem::path& path, const Image8& mask) const {

@@ -18,9 +18,6 @@ namespace tessera {
 void convert_images(size_t count, const IngestProgress& progress,
                     const std::function<void(size_t)>& convert);
 
-/// Scales `image` and writes it as an RGB or RGBA PNG (grey becomes RGB).
-void write_prepared_image(const std::filesystem::path& path, Image8 image, double scale);
-
 /// What becomes of the images of one camera. Threads may call it at once.
 class ImagePreparation {
  public:
@@ -30,7 +27,8 @@ class ImagePreparation {
 
   /// Of the written images.
   Camera camera() const;
-  void write_image(const std::filesystem::path& path, Image8 image) const;
+  /// Without distortion and scaled; grey becomes RGB, alpha stays.
+  Image8 prepared(Image8 image) const;
   /// A mask of the size of the stored images; what lies beyond them is ignored.
   void write_mask(const std::filesystem::path& path, const Image8& mask) const;
 

@@ -1,5 +1,5 @@
-// Image files are read and written on all threads; clips are decoded on the calling thread, one
-// after another, and their images are written on all threads while the decoder waits.
+// Image files are read and written on all threads; clips are decoded one after another, or not at
+// all where their frames stay in them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +7,8 @@
 #include <map>
 
 #include "ingest/files/fnv1a.h"
+#include "ingest/files/png.h"
+#include "ingest/steps/clip_images.h"
 #include "ingest/steps/image_intake.h"
 #include "ingest/steps/mask_source.h"
 #include "ingest/steps/prepared_image.h"
@@ -46,7 +48,7 @@ void write_image_file(const StatedView& view, Image8 image, const StepContext& c
         context.folder / frame.mask_path,
         read_mask(frame.mask, camera.width, camera.height, context.options, object_masks));
   }
-  preparation.write_image(context.folder / frame.file_path, std::move(image));
+  write_png(context.folder / frame.file_path, preparation.prepared(std::move(image)));
   frame.frame.camera = preparation.camera();
 }
 
@@ -69,30 +71,6 @@ void write_image_files(const StepContext& context, Capture& capture) {
   for (const CaptureFrame& frame : capture.frames)
     if (!frame.source.name.empty()) capture.sources.push_back(frame.source);
 }
-
-/// The images of one clip, as many in memory as two a thread.
-class ClipWriter {
- public:
-  ClipWriter(const std::filesystem::path& folder, const ImagePreparation& preparation)
-      : folder_(folder), preparation_(preparation) {}
-
-  void add(const std::string& file, Image8 image) {
-    waiting_.emplace_back(file, std::move(image));
-    if (int(waiting_.size()) >= 2 * thread_count()) write();
-  }
-  void write() {
-    parallel_for(int64_t(waiting_.size()), 1, [&](int64_t begin, int64_t end) {
-      for (auto i = size_t(begin); i < size_t(end); ++i)
-        preparation_.write_image(folder_ / waiting_[i].first, std::move(waiting_[i].second));
-    });
-    waiting_.clear();
-  }
-
- private:
-  const std::filesystem::path& folder_;
-  const ImagePreparation& preparation_;
-  std::vector<std::pair<std::string, Image8>> waiting_;  // file below the folder
-};
 
 /// Each mask file once; one of all frames is called as the camera.
 void write_clip_masks(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
@@ -127,20 +105,20 @@ void write_clip(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
   const ImagePreparation preparation(stored.camera, stored.lens,
                                      clip.video.string() + " (" + stored.lens_model + ")",
                                      capture.scale);
-  ClipWriter writer(context.folder, preparation);
-  const std::string doing = "decoding " + clip.video.filename().string();
-  std::vector<int64_t> ticks;
-  for (const CaptureFrame* frame : frames) ticks.push_back(*frame->ticks);
-  size_t next = 0;
-  std::string tone_map = "none";
-  decode_clip(clip, ticks, [&](VideoFrame decoded) {
-    tone_map = tone_map_of(decoded.colour);
-    if (decoded.image.channels == 4) capture.background = "alpha kept";
-    writer.add(frames[next++]->file_path, std::move(decoded.image));
-    context.progress(doing, ++done, int64_t(capture.frames.size()));
-    return true;
-  });
-  writer.write();
+  std::string tone_map = tone_map_of(clip.timeline.colour);
+  if (!capture.by_reference) {
+    const std::string doing = "decoding " + clip.video.filename().string();
+    std::vector<int64_t> ticks;
+    for (const CaptureFrame* frame : frames) ticks.push_back(*frame->ticks);
+    const auto note = [&](const VideoFrame& decoded) {
+      tone_map = tone_map_of(decoded.colour);
+      if (decoded.image.channels == 4) capture.background = "alpha kept";
+      context.progress(doing, ++done, int64_t(capture.frames.size()));
+    };
+    prepare_clip_images(clip, ticks, preparation, note, [&](size_t i, const Image8& image) {
+      write_png(context.folder / frames[i]->file_path, image);
+    });
+  }
   write_clip_masks(clip, frames, preparation, context, object_masks);
   for (CaptureFrame* frame : frames) frame->frame.camera = preparation.camera();
   record_tone_map(tone_map, capture);
@@ -158,10 +136,32 @@ void write_clips(const StepContext& context, Capture& capture) {
   note_object_masks(object_masks, capture);
 }
 
+/// Frames stay in their videos. Errors: InputError: these frames cannot.
+void keep_in_clips(const IngestOptions& options, Capture& capture) {
+  const auto refuse = [](const std::string& what) {
+    throw InputError("--frames-as video: " + what + "; leave the option out");
+  };
+  if (capture.clips.empty() || capture.frames.front().view >= 0)
+    refuse("these frames are images, or of a camera that moves");
+  for (const RigClip& clip : capture.clips)
+    if (!clip.images.empty()) refuse("camera " + clip.name + " is a sequence of images");
+  if (options.fit_exposure) refuse("--fit-exposure changes the pixels of frames");
+  std::map<std::string, const CaptureFrame*> first;  // by camera
+  for (const CaptureFrame& frame : capture.frames) {
+    const CaptureFrame& like = *first.try_emplace(frame.frame.camera_name, &frame).first->second;
+    if (frame.mask != like.mask)
+      refuse("camera " + frame.frame.camera_name + " has a mask for each frame");
+    if (frame.frame.split != like.frame.split)
+      refuse("some frames of camera " + frame.frame.camera_name + " are held out (--test-every)");
+  }
+  capture.by_reference = true;
+}
+
 }  // namespace
 
 Capture write_images(Capture capture, const StepContext& context) {
   capture.scale = scale_of(capture, context.options);
+  if (context.options.frames_as == FramesAs::kVideo) keep_in_clips(context.options, capture);
   if (capture.frames.front().view < 0)
     write_clips(context, capture);
   else

@@ -1,5 +1,5 @@
 // Combines send and receive of libavcodec in one next(). Jumps skip packets without decoding them,
-// which is exact in every container, unlike a seek by its index.
+// which is exact in every container; a seek by its index reads nothing in between and is checked.
 #include "ingest/video/frame_decoder.h"
 
 #include <fmt/format.h>
@@ -67,6 +67,34 @@ void FrameDecoder::jump_to(int64_t packet) {
   }
   has_packet_ = true;
   first_shown_ = packet_->pts;
+}
+
+FrameDecoder::Seek FrameDecoder::seek_towards(int64_t ticks) {
+  // a restart costs the frames that the codec's threads have begun
+  constexpr double kLeastFrames = 24;
+  const double rate = av_q2d(file_.track().avg_frame_rate);
+  const double here = last_ticks_ ? file_.seconds(*last_ticks_)
+                                  : file_.seconds(std::max<int64_t>(file_.track().start_time, 0));
+  const auto pays = [&](int64_t key) {
+    return file_.seconds(key) - here > kLeastFrames / (rate > 0 ? rate : 30);
+  };
+  const std::optional<int64_t> known = file_.indexed_key(ticks);
+  if (!known || !pays(*known)) return Seek::kStays;
+  avcodec_flush_buffers(codec_.get());
+  // an index has times of decoding: the keyframe may be shown after `ticks`, and one before is due
+  for (int64_t key = *known; true;) {
+    if (!file_.seek(key) || file_.read(*packet_) != VideoFile::Read::kPacket) return Seek::kFailed;
+    if (packet_->pts <= ticks) break;
+    const std::optional<int64_t> earlier = file_.indexed_key(key - 1);
+    if (!earlier || *earlier >= key || !pays(*earlier)) return Seek::kFailed;
+    key = *earlier;
+  }
+  if (last_ticks_ && packet_->pts <= *last_ticks_) return Seek::kFailed;
+  ++packets_;
+  has_packet_ = true;
+  drained_ = false;
+  first_shown_ = packet_->pts;
+  return Seek::kMoved;
 }
 
 /// False for what edit lists cut off, what was decoded without its references, and duplicates.

@@ -23,6 +23,15 @@ class FrameDecoder {
   /// Passes over packets until `packet` (counted from the first keyframe on), a keyframe, and goes
   /// on decoding there: frames shown before it are left out.
   void jump_to(int64_t packet);
+  enum class Seek {
+    kStays,  // the container's index knows no later keyframe before `ticks` that saves decoding
+    kMoved,  // decoding continues at a keyframe shown at or before `ticks`
+    kFailed  // the index is wrong: where decoding continues is not known
+  };
+  /// Towards a frame that is later than those given. Frames shown before the keyframe are left out.
+  Seek seek_towards(int64_t ticks);
+  /// Before the first frame: whether the container has an index of all keyframes.
+  bool find_index() { return file_.find_index(); }
   int64_t packets_read() const { return packets_; }
   int64_t frames_given() const { return frames_; }
   std::optional<int64_t> last_ticks() const { return last_ticks_; }

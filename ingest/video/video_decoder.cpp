@@ -136,12 +136,35 @@ class WantedFrames {
                const std::function<bool(VideoFrame)>& on_frame, const DecodeOptions& options)
       : path_(path), wanted_(wanted), decoder_(path), batch_(decoder_.file(), options, on_frame) {}
 
-  /// Decodes from the keyframes in `points` where that saves packets, all packets without any.
-  /// False when a wanted frame did not come although its packets were decoded from a keyframe.
-  bool decode(const std::vector<EntryPoint>& points) {
+  /// Decodes from the keyframes of the container's index where that saves packets. False when there
+  /// is none, or it is wrong, or a wanted frame did not come although it was decoded from a
+  /// keyframe.
+  bool decode_by_index() {
+    return decoder_.find_index() && decode([&](int64_t ticks) {
+             const FrameDecoder::Seek seek = decoder_.seek_towards(ticks);
+             jumped_ = jumped_ || seek != FrameDecoder::Seek::kStays;
+             return seek != FrameDecoder::Seek::kFailed;
+           });
+  }
+  /// The same from the keyframes in `points`, all packets without any.
+  bool decode_from(const std::vector<EntryPoint>& points) {
+    return decode([&](int64_t ticks) {
+      jump_if_it_pays(points, ticks);
+      return true;
+    });
+  }
+  /// Goes back to the beginning of the file; frames handed over already do not come again.
+  void start_again() {
+    decoder_ = FrameDecoder(path_);
+    jumped_ = false;
+  }
+
+ private:
+  /// `go_towards`: tells the decoder where the next wanted frame is; false: it cannot go there.
+  bool decode(const std::function<bool(int64_t)>& go_towards) {
     const LibavOwned<AVFrame> frame = new_frame();
     for (; next_ < wanted_.size(); ++next_) {
-      jump_if_it_pays(points, wanted_[next_]);
+      if (!go_towards(wanted_[next_])) return false;
       bool found = false;
       try {
         found = decode_until(*frame, wanted_[next_]);
@@ -159,13 +182,6 @@ class WantedFrames {
     return true;
   }
 
-  /// Goes back to the beginning of the file; frames handed over already do not come again.
-  void start_again() {
-    decoder_ = FrameDecoder(path_);
-    jumped_ = false;
-  }
-
- private:
   /// A restart costs the frames that the codec's threads have begun: less than this many packets.
   static constexpr int64_t kLeastJump = 24;
 
@@ -232,9 +248,11 @@ void decode_frames(const std::filesystem::path& path, const std::vector<int64_t>
   check(std::adjacent_find(wanted.begin(), wanted.end(), std::greater_equal<>()) == wanted.end(),
         "wanted times increase");
   WantedFrames frames(path, wanted, on_frame, options);
-  if (frames.decode(entry_points(path, wanted.back()))) return;
+  if (frames.decode_by_index()) return;
+  frames.start_again();
+  if (frames.decode_from(entry_points(path, wanted.back()))) return;
   frames.start_again();  // with all packets from the first: what is missing then is missing
-  frames.decode({});
+  frames.decode_from({});
 }
 
 }  // namespace tessera

@@ -49,8 +49,9 @@ VideoStream decode_video(const std::filesystem::path& path,
 
 /// Hands over the frames shown at `wanted` (ticks, increasing; as read_timeline states them), in
 /// that order, until `on_frame` returns false. Frames before the last keyframe at or before a
-/// wanted one are not decoded, frames that are not wanted not converted. Reads the file up to the
-/// last wanted frame twice (times first). Memory: as decode_video. Errors: as decode_video, and a
+/// wanted one are not decoded, frames that are not wanted not converted. Where the container has an
+/// index (MP4, Matroska), packets in between are not read; of others the file up to the last wanted
+/// frame is read twice (times first). Memory: as decode_video. Errors: as decode_video, and a
 /// time at which no frame is shown; a file's truncation only shows as that.
 void decode_frames(const std::filesystem::path& path, const std::vector<int64_t>& wanted,
                    const std::function<bool(VideoFrame)>& on_frame,

@@ -141,6 +141,7 @@ VideoFile::Read VideoFile::cut(const std::string& reason) {
 }
 
 VideoFile::Read VideoFile::end_of_file() {
+  if (sought_) return Read::kEnd;
   const int64_t stated = stated_packets();
   if (packets_ < stated) return cut(fmt::format("it states {} frames", stated));
   // The last frame has its stated duration, or that of the longest other frame.
@@ -195,6 +196,30 @@ VideoFile::Read VideoFile::read(AVPacket& packet) {
     last_duration_ = packet.duration;
     return Read::kPacket;
   }
+}
+
+bool VideoFile::find_index() {
+  const std::string_view format = format_->iformat->name;
+  if (format.find("mp4") != std::string_view::npos)  // but for fragments, which state no count
+    return track_->nb_frames > 0 && avformat_index_get_entries_count(track_) >= track_->nb_frames;
+  if (format.find("matroska") == std::string_view::npos) return false;
+  // the first seek reads the cues
+  return seek(std::max<int64_t>(track_->start_time, 0)) &&
+         avformat_index_get_entries_count(track_) > 1;
+}
+
+std::optional<int64_t> VideoFile::indexed_key(int64_t ticks) const {
+  const AVIndexEntry* const entry =
+      avformat_index_get_entry_from_timestamp(track_, ticks, AVSEEK_FLAG_BACKWARD);
+  if (entry == nullptr) return std::nullopt;
+  return entry->timestamp;
+}
+
+bool VideoFile::seek(int64_t ticks) {
+  sought_ = true;
+  seen_key_ = false;
+  av_packet_unref(ahead_.get());
+  return av_seek_frame(format_.get(), track_->index, ticks, AVSEEK_FLAG_BACKWARD) >= 0;
 }
 
 }  // namespace tessera

@@ -9,6 +9,7 @@ extern "C" {
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,14 @@ class VideoFile {
   /// that is damaged although later packets can be read.
   Read read(AVPacket& packet);
   const std::string& cut_reason() const { return cut_reason_; }
+  /// Before the first packet: whether this is an MP4 or Matroska file, whose times are those of its
+  /// packets wherever reading begins, with an index of all keyframes.
+  bool find_index();
+  /// The time of the last keyframe at or before `ticks`, in decoding order, that the index knows.
+  std::optional<int64_t> indexed_key(int64_t ticks) const;
+  /// Reads on at a keyframe at or before `ticks`, by the index. An early end of the file is not
+  /// noticed any more. False: it cannot, and where reading continues is not known.
+  bool seek(int64_t ticks);
 
   const std::string& name() const { return name_; }      // the path
   const std::string& camera() const { return camera_; }  // file name without extension
@@ -88,7 +97,7 @@ class VideoFile {
   AVStream* track_ = nullptr;
   int quarter_turns_ = 0;
   int64_t packets_ = 0;
-  bool seen_key_ = false;
+  bool seen_key_ = false, sought_ = false;
   std::vector<int64_t> times_;  // of the packets so far, ticks
   int64_t last_duration_ = 0;
 };

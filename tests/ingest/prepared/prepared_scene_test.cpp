@@ -144,7 +144,7 @@ TEST(PreparedScene, NewerVersionsAndImpossibleTimesAreRefused) {
     edit_json(folder / "transforms.json", change);
     expect_input_error([&] { load_scene(folder.path(), {}); }, parts);
   };
-  with([](json& f) { f["tessera"]["format_version"] = 2; }, {"version 2"});
+  with([](json& f) { f["tessera"]["format_version"] = 3; }, {"version 3"});
   with([](json& f) { f["tessera"]["time"]["duration"] = 0; }, {"duration is 0"});
   with([](json& f) { f["frames"][2]["time"] = 1.5; }, {"frame 2", "1.5"});
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
+#include "ingest/files/point_cloud.h"
 #include "ingest/images/alpha_and_mask.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
@@ -178,6 +179,54 @@ TEST(Scene, FewHeldOutFramesKeepTheirTimes) {
 
 // Bugs put back, each seen to fail: the error of the last bad frame reported (not the first);
 // require_image() returning the stated path without looking.
+// Bugs put back: times of the whole clip; numbers of timesteps of the whole clip; the axis of the
+// whole clip; points of other times; a sweep's cloud of the whole clip; each seen to fail.
+TEST(Scene, AWindowIsAClipOfItsOwn) {
+  const TemporaryFolder folder;
+  SmallCapture capture;
+  capture.train = 31;
+  capture.test = 0;
+  capture.time = [](double t) { return 100 + 3 * t; };
+  write_dnerf(folder.path(), capture);
+  PointCloud points;
+  points.position = {{0, 0, 1}, {0, 0, 2}, {0, 0, 3}, {0, 0, 4}};
+  points.colour.resize(4);
+  points.time = {0.5F, 0.1F, 0.9F, std::nanf("")};
+  points.velocity = {{1, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  write_points(folder / "points.ply", points);
+  const Scene whole = load_scene(folder.path(), {});
+  SceneOptions options;
+  options.window = Window{1, 3, 2};
+  const Scene part = load_scene(folder.path(), options);
+  ASSERT_EQ(part.frames.size(), 14u) << "timesteps 8 to 21";
+  EXPECT_NEAR(part.time_axis.origin, 100.8, 1e-12);
+  EXPECT_NEAR(part.time_axis.duration, 1.3, 1e-12);
+  for (size_t i = 0; i < part.frames.size(); ++i) {
+    const Frame &frame = part.frames[i], &same = whole.frames[i + 8];
+    EXPECT_EQ(frame.name, same.name);
+    EXPECT_EQ(frame.image.data, same.image.data);
+    EXPECT_EQ(frame.timestep, int64_t(i));
+    EXPECT_NEAR(part.time_axis.origin + frame.time * part.time_axis.duration,
+                whole.time_axis.origin + same.time * whole.time_axis.duration, 1e-12);
+  }
+  EXPECT_EQ(part.frames.front().time, 0);
+  EXPECT_EQ(part.frames.back().time, 1);
+  ASSERT_EQ(part.points.position.size(), 2u) << "one is seen then, of one it is not known";
+  EXPECT_NEAR(part.points.time[0], (0.5 * 3 - 0.8) / 1.3, 1e-6);
+  EXPECT_NEAR(part.points.velocity[0].x, 1.3 / 3, 1e-6);
+  points.still = {0, 0, 1, 1};
+  write_points(folder / "points.ply", points);
+  EXPECT_TRUE(load_scene(folder.path(), options).points.position.empty());
+
+  options.window = Window{0, 16};
+  expect_input_error([&] { load_scene(folder.path(), options); }, {"window 1/16", "31 timesteps"});
+  edit_json(folder / "transforms_train.json", [](json& file) {
+    for (json& frame : file["frames"]) frame["time"] = 5;
+  });
+  options.allow_static = true;
+  expect_input_error([&] { load_scene(folder.path(), options); }, {"one timestep"});
+}
+
 TEST(BadScene, ImagesThatAreMissingOrDamagedAreNamed) {
   const TemporaryFolder folder;
   write_dnerf(folder.path(), {});
