@@ -26,6 +26,7 @@ COLUMNS = {  # key in a row: (heading, digits after the point, divisor)
     "psnr_moving": ("PSNR of moving pixels, dB", 2, 1),
     "psnr_static": ("PSNR of static pixels, dB", 2, 1),
     "ssim": ("SSIM", 4, 1),
+    "lpips": ("LPIPS", 4, 1),
     "seconds": ("training, s", 1, 1),
     "whole_seconds": ("whole command, s", 1, 1),
     "num_gaussians": ("Gaussians", 0, 1),

@@ -21,7 +21,20 @@ import time
 import urllib.parse
 import urllib.request
 
-from measure_training import arguments_and_options, output_of
+
+def output_of(command):
+    """What a command prints; ends this program where it fails."""
+    result = subprocess.run(command, capture_output=True, text=True)
+    if result.returncode != 0:
+        sys.exit(f"{' '.join(command)}: exit code {result.returncode}\n{result.stderr[-2000:]}")
+    return result.stdout.strip()
+
+
+def arguments_and_options():
+    """The words of the command line before -- and after it."""
+    words = sys.argv[1:]
+    split = words.index("--") if "--" in words else len(words)
+    return words[:split], words[split + 1:]
 
 
 class Visitor:

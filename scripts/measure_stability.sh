@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Where presets fail: scenes that are each hard in one way, trained with the presets and with the 4D
 # protocol of Faster-GS, three seeds each. `make` needs FFmpeg, `train` a card.
-# Usage: measure_stability.sh make FOLDER            makes and prepares the scenes in FOLDER
-#        measure_stability.sh train FOLDER RECORDS   trains every scene in FOLDER; JSON lines
-# Put other scenes beside those that are made: D-NeRF folders or prepared scenes. TESSERA names the
-# program, JOBS how many trainings run side by side (their seconds are not comparable).
+# Usage: measure_stability.sh make FOLDER         makes the captures in FOLDER
+#        measure_stability.sh train FOLDER OUT    a batch of every capture in FOLDER; OUT/report has it
+# Put other captures or prepared scenes beside those that are made. TESSERA names the program, JOBS how
+# many jobs run side by side (seconds are not comparable then; above 1 needs Snakemake).
 set -euo pipefail
 here=$(dirname "$0")
 tessera=${TESSERA:-$here/../build/release/tessera}
@@ -27,26 +27,20 @@ shiny        room $small --specular 0.8
 long_clip    patch --frames 1050 --cameras 6 --width 160 --height 120
 "
 
-make_scenes() {
+make_captures() {
   mkdir -p "$folder"
   while read -r name of; do
     [ -n "$name" ] && [ ! -e "$folder/$name" ] || continue
-    local capture="$folder/.captures/$name"
     read -ra words <<< "$of"
-    "$tessera" synth "${words[@]}" --layout n3dv -o "$capture" --overwrite
-    "$tessera" ingest "$capture" -o "$folder/$name"
+    "$tessera" synth "${words[@]}" --layout n3dv -o "$folder/$name"
   done <<< "$scenes"
 }
 
-train_scenes() {
-  local loads=()
-  for scene in "$folder"/*/; do loads+=("${scene%/}:fast,balanced,best,faster-gs"); done
-  python3 "$here/measure_training.py" --tessera "$tessera" --jobs "${JOBS:-1}" --out "$1" \
-    "${loads[@]}"
-}
-
 case $action in
-  make) make_scenes ;;
-  train) train_scenes "${3:?measure_stability.sh train FOLDER RECORDS}" ;;
+  make) make_captures ;;
+  train)
+    "$tessera" batch "$folder"/*/ -o "${3:?measure_stability.sh train FOLDER OUT}" --seeds 1,2,3 \
+      --preset fast,balanced,best,faster-gs --exports tessera --jobs "${JOBS:-1}"
+    ;;
   *) usage ;;
 esac
