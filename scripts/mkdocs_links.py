@@ -1,4 +1,5 @@
-"""mkdocs hook: rewrites links that lead out of docs/ into code text.
+"""mkdocs hook: rewrites links that lead out of docs/ into code text, and has the search put pages
+for developers behind those for users.
 
 Pages link to sources (`../../recon4d/model/exposure.h`), which a repository viewer follows. The
 site does not hold the sources, so such a link becomes the path of the file in the repository.
@@ -43,4 +44,6 @@ def rewrite(markdown, page_folder):
 
 
 def on_page_markdown(markdown, page, **_):
+    if page.file.src_path.startswith("development/"):
+        page.meta.setdefault("search", {"boost": 0.2})  # users' pages come first
     return rewrite(markdown, posixpath.dirname(page.file.src_path))

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/prepared/scene_clip.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/argument_words.h"
 #include "tools/cli/command.h"
@@ -57,7 +58,9 @@ int tessera_main(int argc, char** argv) {
   app.require_subcommand(1);
   Work work;
   add_run_command(app, work);
+  set_clip_reader(video_clip_reader());
   add_ingest_command(app, work);
+  add_unpack_command(app, work);
   add_doctor_command(app, work);
   add_train_command(app, work);
   add_evaluate_command(app, work);

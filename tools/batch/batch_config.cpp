@@ -7,14 +7,18 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "ingest/files/folders.h"
 #include "ingest/ingest.h"
 #include "ingest/layouts/capture_layout.h"
 #include "kernels/base/errors.h"
+#include "recon4d/evaluation/evaluate.h"
+#include "recon4d/options/nearest_name.h"
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options.h"
 #include "static3d/formats/splat_file.h"
+#include "tools/batch/engine.h"
 #include "tools/cli/argument_words.h"
 #include "tools/cli/output_place.h"
 #include "tools/export/formats.h"
@@ -24,8 +28,17 @@ namespace {
 
 using nlohmann::json;
 
+/// Errors: InputError naming the nearest known name.
+void check_table(const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& [known, text] : workflow_tables()) names.push_back(known);
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw InputError(fmt::format("--table: unknown table '{}'{}", name, known_names(name, names)));
+}
+
 /// Presets and options as a training would take them. Errors: InputError.
 void check_training(const BatchConfig& config) {
+  if (!config.table.empty()) check_table(config.table);
   for (const std::string& preset : config.presets) {
     TrainOptions options;
     apply_preset(options, preset);
@@ -36,6 +49,7 @@ void check_training(const BatchConfig& config) {
         set_option_from_text(options, key, text);
     }
     for (int64_t budget : config.budgets) set_option(options, "max_gaussians", budget);
+    for (int64_t steps : config.steps) set_option(options, "iterations", steps);
     validate(options);
   }
 }
@@ -54,6 +68,8 @@ void check_numbers(const BatchConfig& config) {
   for (int64_t budget : config.budgets)
     if (budget < 1)
       throw InputError(fmt::format("--budgets has {}; pass numbers of Gaussians above 0", budget));
+  for (int64_t steps : config.steps)
+    if (steps < 1) throw InputError(fmt::format("--steps has {}; pass 1 or more", steps));
   for (int64_t seed : config.seeds)
     if (seed < 0) throw InputError(fmt::format("--seeds has {}; pass 0 or more", seed));
   if (config.threads < 1)
@@ -62,6 +78,8 @@ void check_numbers(const BatchConfig& config) {
     throw InputError(fmt::format("--gpus is {}, expected 0 or more", config.gpus));
   if (!config.budgets.empty() && config.options.contains("max_gaussians"))
     throw InputError("--budgets are numbers of Gaussians; pass them or --max-gaussians, not both");
+  if (!config.steps.empty() && config.options.contains("iterations"))
+    throw InputError("--steps are those of trainings; pass them or --iterations, not both");
   if (config.options.contains("seed")) throw InputError("--seed has no meaning here; use --seeds");
 }
 
@@ -134,6 +152,15 @@ std::string safe_name(const std::string& name) {
   return !safe.empty() && is_plain(safe.front()) ? safe : "_" + safe;
 }
 
+/// PATH and split of PATH:val; all of a word that names a folder is its path.
+std::pair<std::string, std::string> path_and_split(const std::string& word) {
+  const size_t colon = word.rfind(':');
+  if (colon != std::string::npos && !fs::exists(word))
+    for (const Split split : {Split::kTest, Split::kVal, Split::kTrain})
+      if (word.substr(colon + 1) == name_of(split)) return {word.substr(0, colon), name_of(split)};
+  return {word, ""};
+}
+
 /// The options of ingest without --test-every, where the capture has test views of its own.
 std::vector<std::string> ingest_words_of(const Dataset& dataset, std::vector<std::string> words) {
   const auto option = std::find(words.begin(), words.end(), "--test-every");
@@ -146,6 +173,7 @@ std::vector<std::string> ingest_words_of(const Dataset& dataset, std::vector<std
 json batch_yaml(const BatchConfig& config) {
   refuse_repeats(config.presets, "--preset");
   refuse_repeats(config.budgets, "--budgets");
+  refuse_repeats(config.steps, "--steps");
   refuse_repeats(config.seeds, "--seeds");
   refuse_repeats(config.exports, "--exports");
   check_numbers(config);
@@ -154,44 +182,55 @@ json batch_yaml(const BatchConfig& config) {
   std::map<std::string, std::string> options = config.options;
   const auto deterministic = options.extract("deterministic");
   json scenes = json::array(), presets = json::array();
-  for (const Dataset& dataset : config.datasets)
+  for (const Dataset& dataset : config.datasets) {
     scenes.push_back({{"name", dataset.name},
                       {"path", dataset.path.string()},
                       {"ingest", ingest_words_of(dataset, config.ingest)}});
+    if (!dataset.split.empty()) scenes.back()["split"] = dataset.split;
+  }
   for (const std::string& preset : config.presets)
     presets.push_back(options.empty()
                           ? json(preset)
                           : json{{"name", preset}, {"preset", preset}, {"options", options}});
   json yaml = {{"scenes", scenes},
-               {"presets", presets},
                {"seeds", config.seeds},
                {"exports", config.exports},
                {"tessera", this_program()},
                {"threads", config.threads},
                {"gpus", config.gpus},
                {"budgets", config.budgets},
+               {"steps", config.steps},
                {"deterministic", !deterministic.empty() && deterministic.mapped() == "true"}};
+  if (config.table.empty()) {
+    yaml["presets"] = presets;
+  } else {
+    yaml["table"] = config.table;
+    yaml["options"] = options;
+  }
   return yaml;
 }
 
 std::vector<Dataset> find_datasets(const std::vector<std::string>& words, const fs::path& out) {
   std::vector<Dataset> datasets;
-  std::map<std::string, fs::path> by_name;
-  for (const std::string& word : words) {
+  std::map<std::string, Dataset> by_name;
+  for (const std::string& typed : words) {
+    const auto& [word, split] = path_and_split(typed);
     const bool pattern = !fs::exists(word) && word.find_first_of("*?[{") != std::string::npos;
     if (!pattern) require_folder(word);
     for (const fs::path& path : pattern ? captures_of_glob(word, out) : captures_at(word, out)) {
       fs::path whole = fs::absolute(path).lexically_normal();
       if (!whole.has_filename()) whole = whole.parent_path();
-      const Dataset dataset{safe_name(whole.filename().string()), whole};
-      const auto [known, is_new] = by_name.emplace(dataset.name, whole);
+      const Dataset dataset{safe_name(whole.filename().string()), whole, split};
+      const auto [known, is_new] = by_name.emplace(dataset.name, dataset);
       if (is_new) {
         check_output_apart(out, whole);
         datasets.push_back(dataset);
-      } else if (!fs::equivalent(known->second, whole)) {
+      } else if (!fs::equivalent(known->second.path, whole)) {
         throw InputError(
             fmt::format("two captures are named '{}': {} and {}; rename one of the folders",
-                        dataset.name, known->second.string(), whole.string()));
+                        dataset.name, known->second.path.string(), whole.string()));
+      } else if (known->second.split != split) {
+        throw InputError(fmt::format("{}: is named with two splits; name it once", whole.string()));
       }
     }
   }

@@ -1,13 +1,16 @@
-// Collects metrics.json, train.json and config.json of every run; bench/report.h computes medians
-// and Pareto fronts.
+// Every run is reported as a run alone is (tools/report/run_report.h); points.h has the medians.
 #include "tools/batch/batch_report.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "tools/bench/report.h"
+#include "ingest/files/atomic_file.h"
+#include "tools/batch/points.h"
+#include "tools/report/log_events.h"
+#include "tools/report/run_report.h"
 
 namespace tessera {
 namespace {
@@ -15,82 +18,148 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-void copy_number(const json& from, const char* key, json& to) {
-  if (from.is_object() && from.contains(key) && from[key].is_number()) to[key] = from[key];
-}
-
 /// Where the workflow puts what it exports of a run, below OUT: FORMAT/ and, when that is done, its
 /// record FORMAT.json.
 fs::path exports_of(const BatchRun& run) {
   return fs::path("exports") / run.scene / run.preset / fmt::format("seed-{}", run.seed);
 }
 
-/// The player's page of a run, below OUT; "" where none was exported.
-std::string player_of(const BatchFolder& batch, const BatchRun& run) {
-  const fs::path exports = exports_of(run);
-  for (const std::string format : {"html", "page"})
-    if (const fs::path page = exports / format / "index.html";
-        fs::exists(batch.root / page) &&
-        fs::exists(batch.root / exports / (format + ".json")))  // of this model
-      return page.string();
-  return "";
+/// Records of the jobs of one run; null where there is none.
+struct JobRecords {
+  json ingest, trained, metrics, page, file;
+  fs::path player;  // below OUT
+};
+
+json or_null(const std::optional<double>& value) {
+  return value ? json(*value) : json();
 }
 
-/// Everything that is known of one run.
-json describe_run(const BatchFolder& batch, const BatchRun& run, std::vector<std::string>& notes) {
-  const json metrics = read_object(run.folder / "metrics.json", notes);
-  const json trained = read_object(run.folder / "train.json", notes);
-  const json config = read_object(run.folder / "config.json", notes);
-  json entry = {{"scene", run.scene},
-                {"preset", run.preset},
-                {"seed", run.seed},
-                {"state", name_of(run.state)},
-                {"folder", run.folder.lexically_relative(batch.root).string()},
-                {"player", player_of(batch, run)}};
-  if (!run.error.empty()) entry["error"] = run.error;
-  for (const char* key : {"psnr", "ssim", "num_gaussians", "num_static", "num_dynamic", "bytes"})
-    copy_number(metrics, key, entry);
-  for (const char* key : {"seconds", "iterations", "peak_device_bytes"})
-    copy_number(trained, key, entry);
-  if (metrics.is_object() && metrics.contains("split") && metrics["split"].is_string())
-    entry["split"] = metrics["split"];
-  const json file = read_object(batch.root / exports_of(run) / "tessera.json", notes);
-  if (file.is_object() && file.contains("bytes")) entry["shipped_bytes"] = file["bytes"];
-  if (config.is_object())
-    for (const auto& [from, to] : {std::pair{"tessera", "version"}, {"device", "device"}})
-      if (config.contains(from) && config[from].is_string()) entry[to] = config[from];
-  return entry;
+/// The jobs as `tessera run` records its stages. Where the seconds of one are not known, none are:
+/// a sum without them would be wrong.
+json ledger_of(const JobRecords& jobs) {
+  json ledger = {{"ingest", {{"result", jobs.ingest}}}};
+  const std::pair<const char*, const json*> stages[] = {
+      {"ingest", &jobs.ingest}, {"train", &jobs.trained}, {"evaluate", &jobs.metrics}};
+  for (const auto& [stage, record] : stages)
+    if (!number_at(*record, "job_seconds")) return ledger;
+  for (const auto& [stage, record] : stages) ledger[stage]["seconds"] = (*record)["job_seconds"];
+  double exported = 0;
+  for (const json* record : {&jobs.page, &jobs.file})
+    exported += number_at(*record, "job_seconds").value_or(0);
+  if (exported > 0) ledger["export"]["seconds"] = exported;
+  return ledger;
 }
 
-/// As bench_points takes it. Of one scene and preset all have the same label.
-json bench_run_of(const json& run) {
+class RunReader {
+ public:
+  RunReader(const BatchFolder& batch, std::vector<std::string>& notes)
+      : batch_(batch), notes_(notes) {}
+
+  /// As `runs` of report.json has it.
+  json report_of(const BatchRun& run) {
+    JobRecords jobs;
+    jobs.ingest = record(fs::path("scenes") / (run.scene + ".json"));
+    const fs::path folder = run.folder.lexically_relative(batch_.root);
+    jobs.trained = record(folder / "train.json");
+    jobs.metrics = record(folder / "metrics.json");
+    const fs::path exports = exports_of(run);
+    for (const char* format : {"page", "html"})
+      if (json page = record(exports / (std::string(format) + ".json")); !page.is_null())
+        jobs.page = std::move(page), jobs.player = exports / format / "index.html";
+    jobs.file = record(exports / "tessera.json");
+    RunRecords records{record(folder / "config.json"), jobs.metrics, ledger_of(jobs), "",
+                       jobs.trained};
+    if (fs::exists(run.folder / "log.jsonl"))
+      records.log = read_text_file(run.folder / "log.jsonl");
+    json report = run_report(records);
+    if (!records.stages.contains("train")) report["seconds"]["command"] = nullptr;
+    if (const auto seconds = number_at(jobs.trained, "seconds"))
+      report["seconds"]["training"] = *seconds;
+    add_batch(run, folder, jobs, report);
+    return report;
+  }
+
+ private:
+  /// Null where there is none.
+  json record(const fs::path& file) {
+    std::vector<std::string> notes;
+    json found = read_object(batch_.root / file, notes);
+    for (std::string& note : notes)  // that of a scene is read for each of its runs
+      if (std::find(notes_.begin(), notes_.end(), note) == notes_.end())
+        notes_.push_back(std::move(note));
+    return found;
+  }
+
+  void add_batch(const BatchRun& run, const fs::path& folder, const JobRecords& jobs,
+                 json& report) const {
+    report["id"] = fmt::format("{}/{}/seed-{}", run.scene, run.preset, run.seed);
+    report["title"] = fmt::format("{}, seed {}", run.preset, run.seed);
+    report["scene"] = run.scene;
+    report["variant"] = run.preset;
+    report["seed"] = run.seed;
+    report["state"] = name_of(run.state);
+    report["error"] = run.error.empty() ? json() : json(run.error);
+    report["folder"] = folder.generic_string();
+    report["image_note"] = nullptr;
+    report["size"]["model_bytes"] = or_null(number_at(jobs.metrics, "bytes"));
+    report["size"]["shipped_bytes"] = or_null(number_at(jobs.file, "bytes"));
+    report["size"]["player_bytes"] = or_null(number_at(jobs.page, "bytes"));
+    if (const auto peak = number_at(jobs.trained, "peak_device_bytes"))
+      report["size"]["peak_bytes"] = *peak;
+    json& files = report["files"] = json::array();
+    const auto add = [&](const char* name, const fs::path& file) {
+      if (!file.empty() && fs::is_regular_file(batch_.root / file))
+        files.push_back({{"name", name},
+                         {"path", (fs::path("..") / file).generic_string()},
+                         {"bytes", fs::file_size(batch_.root / file)}});
+    };
+    add("Player", jobs.player);
+    add("Model", folder / "model.ply");
+    add("Scores", folder / "metrics.json");
+    add("Log", folder / "log.jsonl");
+  }
+
+  const BatchFolder& batch_;
+  std::vector<std::string>& notes_;
+};
+
+/// As points_of takes it. Of one scene and variant all have the same label.
+json point_run_of(const json& run) {
+  const bool scored = !run["scores"]["psnr"].is_null();
   // what is done has scores, unless its file is damaged
-  const std::string state = run["state"] == "done" ? "missing" : run["state"];
-  json bench_run = {{"scene", run["scene"]},  {"split", run.value("split", "")},
-                    {"label", run["preset"]}, {"iterations", run.value("iterations", int64_t{0})},
-                    {"seed", run["seed"]},    {"status", run.contains("psnr") ? "done" : state}};
-  if (run.contains("device")) bench_run["device"] = run["device"];
-  if (run.contains("error")) bench_run["error"] = run["error"];
-  for (const char* key : {"psnr", "ssim", "seconds", "num_gaussians", "num_static", "num_dynamic",
-                          "bytes", "shipped_bytes", "peak_device_bytes"})
-    copy_number(run, key, bench_run["metrics"]);
-  return bench_run;
+  const json state = run["state"] == "done" ? json("missing") : run["state"];
+  json one = {{"scene", run["scene"]},   {"split", run["split"]},
+              {"label", run["variant"]}, {"iterations", run["steps"]},
+              {"seed", run["seed"]},     {"status", scored ? json("done") : state}};
+  if (run["device"] != "") one["device"] = run["device"];
+  if (!run["error"].is_null()) one["error"] = run["error"];
+  json& metrics = one["metrics"] = run["scores"];
+  const json &size = run["size"], &seconds = run["seconds"];
+  metrics.update({{"seconds", seconds["training"]},
+                  {"command_seconds", seconds["command"]},
+                  {"num_static", size["static"]},
+                  {"num_dynamic", size["dynamic"]},
+                  {"num_gaussians", count_at(size, "static") + count_at(size, "dynamic")},
+                  {"bytes", size["model_bytes"]},
+                  {"shipped_bytes", size["shipped_bytes"]},
+                  {"peak_device_bytes", size["peak_bytes"]}});
+  return one;
 }
 
-/// Seeds of one scene and preset are one point, also where one of them has nothing to show or was
+/// Seeds of one scene and variant are one point, also where one of them has nothing to show or was
 /// stopped at another step.
-json bench_runs_of(const json& runs) {
-  json bench_runs = json::array();
-  for (const json& run : runs) bench_runs.push_back(bench_run_of(run));
-  for (json& bench_run : bench_runs)
-    for (const json& other : bench_runs) {
-      if (other["status"] != "done" || other["scene"] != bench_run["scene"]) continue;
-      if (bench_run["split"] == "") bench_run["split"] = other["split"];
-      if (other["label"] != bench_run["label"]) continue;
-      bench_run["iterations"] = other["iterations"];
+json point_runs_of(const json& runs) {
+  json point_runs = json::array();
+  for (const json& run : runs) point_runs.push_back(point_run_of(run));
+  for (json& point_run : point_runs)
+    for (const json& other : point_runs) {
+      if (other["status"] != "done" || other["scene"] != point_run["scene"]) continue;
+      if (point_run["split"] == "") point_run["split"] = other["split"];
+      if (other["label"] != point_run["label"]) continue;
+      point_run["iterations"] = other["iterations"];
       break;
     }
-  return bench_runs;
+  return point_runs;
 }
 
 json failures_json(const BatchFolder& batch) {
@@ -103,44 +172,51 @@ json failures_json(const BatchFolder& batch) {
                         {"format", failure.format},
                         {"exit", failure.exit ? json(*failure.exit) : json()},
                         {"message", failure.message},
-                        {"log", failure.log},
+                        {"log", failure.log.empty() ? "" : "../" + failure.log},
                         {"line", failure.line()}});
   return failures;
+}
+
+json counts_of(const BatchFolder& batch) {
+  return {{"runs", batch.runs.size()},
+          {"done", batch.count(RunState::kDone)},
+          {"failed", batch.count(RunState::kFailed)},
+          {"missing", batch.count(RunState::kMissing)},
+          {"scenes", batch.scenes().size()},
+          {"whole_scenes", batch.whole_scenes()}};
+}
+
+/// Versions or devices, each once.
+json each_of(const json& runs, const char* key) {
+  std::set<std::string> texts;
+  for (const json& run : runs)
+    if (run[key] != "") texts.insert(run[key].get<std::string>());
+  return texts;
 }
 
 }  // namespace
 
 json batch_report(const BatchFolder& batch) {
   std::vector<std::string> notes = batch.notes;
-  json runs = json::array();
-  std::set<std::string> versions, devices;
-  for (const BatchRun& run : batch.runs) {
-    runs.push_back(describe_run(batch, run, notes));
-    if (runs.back().contains("version")) versions.insert(std::string(runs.back()["version"]));
-    if (runs.back().contains("device")) devices.insert(std::string(runs.back()["device"]));
-  }
-  json earlier = json::array();
-  for (const BatchRun& run : batch.earlier) earlier.push_back(describe_run(batch, run, notes));
-  json scenes = bench_points(bench_runs_of(runs));
-  mark_pareto_front(scenes);
-  return {{"title", fs::absolute(batch.root).lexically_normal().string()},
-          {"summary", batch_summary(batch)},
-          {"counts",
-           {{"runs", batch.runs.size()},
-            {"done", batch.count(RunState::kDone)},
-            {"failed", batch.count(RunState::kFailed)},
-            {"missing", batch.count(RunState::kMissing)},
-            {"scenes", batch.scenes().size()},
-            {"whole_scenes", batch.whole_scenes()}}},
-          {"versions", versions},
-          {"devices", devices},
-          {"variants", batch.asked.value("variants", json::array())},
-          {"captures", batch.asked.value("scenes", json::array())},
-          {"scenes", scenes},
-          {"runs", runs},
-          {"earlier_runs", earlier},
-          {"failures", failures_json(batch)},
-          {"notes", notes}};
+  RunReader reader(batch, notes);
+  json runs = json::array(), earlier = json::array();
+  for (const BatchRun& run : batch.runs) runs.push_back(reader.report_of(run));
+  for (const BatchRun& run : batch.earlier) earlier.push_back(reader.report_of(run));
+  const json scenes = points_of(point_runs_of(runs));
+  const fs::path folder = fs::absolute(batch.root / "").lexically_normal().parent_path();
+  const json common = {{"folder", folder.string()},
+                       {"summary", batch_summary(batch)},
+                       {"counts", counts_of(batch)},
+                       {"versions", each_of(runs, "version")},
+                       {"devices", each_of(runs, "device")},
+                       {"variants", batch.asked.value("variants", json::array())},
+                       {"captures", batch.asked.value("scenes", json::array())},
+                       {"scenes", scenes},
+                       {"earlier", earlier},
+                       {"failures", failures_json(batch)},
+                       {"notes", notes}};
+  return {
+      {"kind", "batch"}, {"title", folder.filename().string()}, {"runs", runs}, {"batch", common}};
 }
 
 }  // namespace tessera

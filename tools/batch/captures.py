@@ -7,6 +7,7 @@ import os
 
 from checks import Wrong, check_keys, check_name, list_of, safe_name, shown
 
+SPLITS = ("test", "val", "train")
 FILE_OPTIONS = ("--poses", "--offsets", "--masks")
 
 
@@ -15,12 +16,13 @@ class Scene:
     name: str
     path: str
     ingest: tuple
+    split: str = ""  # that is scored; "": what is held out, else train
 
 
 def read_scenes(given, base):
     scenes = {}
 
-    def add(name, path, ingest):
+    def add(name, path, ingest, split=""):
         name = check_name(name or safe_name(os.path.basename(path.rstrip("/"))), path)
         if name in scenes:
             raise Wrong(f"scenes: two are named '{name}' ({scenes[name].path} and {path}); give one "
@@ -28,19 +30,23 @@ def read_scenes(given, base):
         if os.path.isdir(path) and (within(base, path) or within(path, base)):
             raise Wrong(f"scenes: {path} and the folder of results, {base}, lie in each other; captures "
                         "are never written to: move one of them")
-        scenes[name] = Scene(name, path.rstrip("/"), tuple(ingest))
+        scenes[name] = Scene(name, path.rstrip("/"), tuple(ingest), split)
 
     for entry in list_of(given, "scenes", None, [], filled=True) if given.get("scenes") else []:
         entry = {"path": entry} if isinstance(entry, str) else entry
         if not isinstance(entry, dict) or not isinstance(entry.get("path"), str):
             raise Wrong(f"scenes: {shown(entry)} has no `path`; write {{name: a, path: /data/a}}")
-        check_keys(entry, ("name", "path", "ingest"), f"scenes: {entry['path']}")
+        check_keys(entry, ("name", "path", "ingest", "split"), f"scenes: {entry['path']}")
         words = entry.get("ingest") or []
         if not isinstance(words, list):
             raise Wrong(f"scenes: {entry['path']}: ingest: expected a list of words, not "
                         f"{shown(words)}; write ingest: [--scale, 0.5]")
+        split = entry.get("split") or ""
+        if split and split not in SPLITS:
+            raise Wrong(f"scenes: {entry['path']}: split: unknown split {shown(split)}; there are "
+                        f"{', '.join(SPLITS)}")
         add(str(entry.get("name") or ""), os.path.join(base, entry["path"]),
-            absolute_files([str(w) for w in words], base))
+            absolute_files([str(w) for w in words], base), split)
     for pattern in list_of(given, "captures", str, []):
         found = [p for p in sorted(glob.glob(os.path.join(glob.escape(base), pattern)))
                  if os.path.isdir(p) and not within(base, p)]  # a batch is no scene of itself
@@ -92,3 +98,12 @@ def stamp(scene, out):
         for name, size, time in files_below(path, out):
             digest.update(os.fsencode(name) + f" {size} {time}\n".encode())
     return digest.hexdigest()[:16]
+
+
+def stamp_file(scene):
+    """Of the capture that the prepared scene was made from."""
+    return f"stamps/{scene.name}.json"
+
+
+def stamp_record(scene, out):
+    return {"stamp": stamp(scene, out)}

@@ -1,4 +1,4 @@
-// Starts Snakemake in a process group of its own and polls waitpid. The assembler embeds the files
+// Starts the engine in a process group of its own and polls waitpid. The assembler embeds the files
 // of this folder, which CMakeLists.txt lists.
 #include "tools/batch/engine.h"
 
@@ -42,7 +42,8 @@ namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* kEngine = "snakemake";
+constexpr const char* kSnakemake = "snakemake";
+constexpr const char* kPython = "python3";
 
 std::string profiles_there(const fs::path& folder) {
   std::vector<std::string> names;
@@ -97,14 +98,16 @@ bool runs_here(const EngineRequest& request) {
   return request.profile == "local";
 }
 
-std::vector<std::string> engine_arguments(const EngineRequest& request) {
+namespace {
+
+std::vector<std::string> snakemake_arguments(const EngineRequest& request) {
   const std::string profile = profile_folder(request);
   if (!runs_here(request) && profile.find_first_of(" \t\n") != std::string::npos)
     throw InputError(fmt::format(
         "{}: Snakemake starts no scripts of a profile whose path has a space; choose another OUT",
         profile));
   std::vector<std::string> arguments{
-      kEngine,       "--snakefile",        (request.out / "workflow" / "Snakefile").string(),
+      kSnakemake,    "--snakefile",        (request.out / "workflow" / "Snakefile").string(),
       "--directory", request.out.string(), "--profile",
       profile,       "--keep-going",       "--rerun-incomplete",
       "--nolock"};  // the workflow has a lock of its own
@@ -119,6 +122,20 @@ std::vector<std::string> engine_arguments(const EngineRequest& request) {
   if (request.dry_run)
     arguments.insert(arguments.end(), {"--dry-run", "--config", "file=" + request.file});
   return arguments;
+}
+
+/// Of the workflow's own driver; threads and GPUs are in batch.yaml.
+std::vector<std::string> one_by_one_arguments(const EngineRequest& request) {
+  std::vector<std::string> arguments{kPython, (request.out / "workflow" / "one_by_one.py").string(),
+                                     "--directory", request.out.string()};
+  if (request.dry_run) arguments.insert(arguments.end(), {"--dry-run", "--file", request.file});
+  return arguments;
+}
+
+}  // namespace
+
+std::vector<std::string> engine_arguments(const EngineRequest& request) {
+  return has_snakemake() ? snakemake_arguments(request) : one_by_one_arguments(request);
 }
 
 std::string shell_line(const std::vector<std::string>& arguments) {
@@ -137,10 +154,21 @@ std::string shell_line(const std::vector<std::string>& arguments) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
-void check_engine() {
-  if (find_program(kEngine).empty())
+bool has_snakemake() {
+  return !find_program(kSnakemake).empty();
+}
+
+void check_engine(const EngineRequest& request) {
+  constexpr const char* kNeeded =
+      "{} needs snakemake, which is not installed; install it (apt-get install snakemake), or "
+      "leave this option out: the jobs run one after the other here";
+  if (has_snakemake()) return;
+  if (!runs_here(request)) throw InputError(fmt::format(kNeeded, "--profile " + request.profile));
+  if (request.jobs > 1)
+    throw InputError(fmt::format(kNeeded, fmt::format("--jobs {}", request.jobs)));
+  if (find_program(kPython).empty())
     throw InputError(
-        "snakemake is not installed, which runs batches; install it (apt-get install snakemake)");
+        "python3 is not installed, which runs batches; install it (apt-get install python3)");
 }
 
 int run_engine(const std::vector<std::string>& arguments, const std::function<bool()>& stop,
@@ -172,6 +200,14 @@ void write_workflow(const fs::path& folder) {
                       fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
                       fs::perm_options::add);
   }
+}
+
+std::map<std::string, std::string> workflow_tables() {
+  std::map<std::string, std::string> tables;
+  for (const WorkflowFile& file : workflow_files())
+    if (const fs::path path(file.path); path.parent_path() == "tables")
+      tables.emplace(path.stem(), file.bytes);
+  return tables;
 }
 
 }  // namespace tessera

@@ -1,8 +1,9 @@
-// Runs Snakemake as a child process of `tessera batch`, and writes the workflow that is built into
-// the program.
+// Runs Snakemake, or the workflow's one_by_one.py where it is not installed, as a child process of
+// `tessera batch`, and writes the workflow that is built into the program.
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,10 @@ std::vector<std::string> engine_arguments(const EngineRequest& request);
 /// As it would be typed into a shell.
 std::string shell_line(const std::vector<std::string>& arguments);
 
-/// Errors: InputError: no engine in PATH, with how to install it.
-void check_engine();
+/// Whether it is in PATH. Without it the jobs run one after the other on this machine.
+bool has_snakemake();
+/// Errors: InputError: no engine in PATH that can do what is asked for, with how to install it.
+void check_engine(const EngineRequest& request);
 
 /// Runs it to its end; its words go where ours go. It has a process group of its own, which gets
 /// one SIGINT when `stop` becomes true: trainings write their checkpoints, the engine waits for
@@ -38,5 +41,8 @@ int run_engine(const std::vector<std::string>& arguments, const std::function<bo
 /// Writes them below `folder`; scripts (#!) may be executed. A file that is there with the same
 /// bytes is left alone. Errors: InputError: the folder cannot be written.
 void write_workflow(const std::filesystem::path& folder);
+
+/// The JSON texts of its tables (tables/NAME.json), by name.
+std::map<std::string, std::string> workflow_tables();
 
 }  // namespace tessera

@@ -6,6 +6,7 @@ PROGRAM_MB = 300  # of the program itself and of pictures on their way
 MEMORY_SPARE = 1.5
 TIME_SPARE = 3  # the forecast's own factor
 LEAST_MINUTES = 10
+FIXED_MB = {"ingest": 2000, "doctor": 1000, "report": 500}  # of jobs without a forecast
 
 
 def row(doctor_file, preset):

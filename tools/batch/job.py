@@ -1,5 +1,5 @@
 """Runs one job of a batch: calls the program, appends to its log, and writes failures/JOB.json
-unless it succeeds. The jobs are defined in the Snakefile.
+unless it succeeds. The Snakefile and one_by_one.py call it.
 
 usage: job.py RULE [SCENE [PRESET SEED [FORMAT]]] --threads N --attempt N --mem-mb N
                 [--refused MESSAGE]   records only that the cluster did not take the job
@@ -15,6 +15,7 @@ import subprocess
 import sys
 import time
 
+import captures
 import forecast
 import locks
 import records
@@ -67,6 +68,9 @@ class Job:
 
     def ingest(self, _):
         scene = self.batch.scenes[self.given.scene]
+        stamp_file = captures.stamp_file(scene)
+        os.makedirs(os.path.dirname(stamp_file), exist_ok=True)
+        records.write(stamp_file, captures.stamp_record(scene, self.batch.out))
         return (["ingest", scene.path, "-o", self.scene, "--overwrite", *scene.ingest, *self.threads,
                  "--json"], self.scene + ".json")
 
@@ -83,10 +87,12 @@ class Job:
                 self.run + "/train.json")
 
     def evaluate(self, _):
+        split = self.batch.scenes[self.given.scene].split
         with open(self.doctor) as text:
-            held_out = json.load(text)["tables"]["leakage"]["held_out_frames"]
-        split = [] if held_out else ["--split", "train"]
-        return ["evaluate", self.run, *split, *self.backend, "--json"], self.run + "/metrics.json"
+            if not split and not json.load(text)["tables"]["leakage"]["held_out_frames"]:
+                split = "train"
+        words = ["--split", split] if split else []
+        return ["evaluate", self.run, *words, *self.backend, "--json"], self.run + "/metrics.json"
 
     def export(self, _):
         folder = os.path.join("exports", *self.where)
@@ -173,10 +179,16 @@ def perform(job, log):
     os.makedirs(os.path.dirname(output), exist_ok=True)
     part = output + ".part"
     begin = os.fstat(log.fileno()).st_size
+    started = time.monotonic()
     code = run(job, words, part, log)
     if not accepted(job, code, part):
         os.remove(part)
         return code or FAILED, last_line(job.log, begin)
+    if job.given.rule != "report":  # the report adds them up
+        more = {"job_seconds": round(time.monotonic() - started, 3)}
+        if job.given.rule == "evaluate":
+            more["asked_split"] = job.batch.scenes[job.given.scene].split
+        records.write(part, {**records.read(part), **more})
     os.replace(part, output)
     return 0, ""
 

@@ -1,4 +1,4 @@
-"""Reads and checks batch.yaml: scenes, presets, seeds, formats."""
+"""Reads and checks batch.yaml: scenes, presets or a table, seeds, formats."""
 import dataclasses
 import json
 import os
@@ -6,13 +6,19 @@ import re
 import shutil
 import subprocess
 
-import yaml
+try:
+    import yaml
+except ImportError:  # `tessera batch` writes JSON, which is YAML
+    yaml = None
 
 from captures import Scene, read_scenes
 from checks import Wrong, check_keys, check_name, list_of, nearest, number, shown
 
-KEYS = ("scenes", "captures", "presets", "seeds", "budgets", "exports", "out", "tessera", "threads",
-        "gpus", "deterministic")
+KEYS = ("scenes", "captures", "presets", "table", "options", "seeds", "budgets", "steps", "exports",
+        "out", "tessera", "threads", "gpus", "deterministic")
+TABLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "tables")
+# of a variant with each of its values: key, option, end of the name, words of the label
+AXES = (("budgets", "max_gaussians", "", " Gaussians"), ("steps", "iterations", "-steps", " steps"))
 SNAPSHOT = "asked.json"
 SESSION_OPTIONS = ("checkpoint_every", "evaluate_every", "time_limit")  # say nothing of the model
 OWN_OPTIONS = {"seed": "seeds", "deterministic": "deterministic", "threads": "threads",
@@ -27,6 +33,8 @@ class Variant:
     name: str
     preset: str
     options: tuple  # of (key, text), sorted
+    label: str = ""  # of a row of a table, as the report shows it
+    published: tuple = dataclasses.field(default=(), compare=False)  # figures of others
 
     def given(self):
         return {k: v for k, v in self.options if k not in SESSION_OPTIONS}
@@ -89,33 +97,70 @@ def text_of(value):
     return json.dumps(value) if isinstance(value, (bool, int, float)) else str(value)
 
 
+def read_options(options, where):
+    """As key → text. Errors: Wrong."""
+    if not isinstance(options, dict):
+        raise Wrong(f"{where}: expected {{iterations: 500}}, not {shown(options)}")
+    return {str(k).replace("-", "_"): text_of(v) for k, v in options.items()}
+
+
 def read_variant(entry):
     entry = {"preset": entry} if isinstance(entry, str) else entry
     if not isinstance(entry, dict) or not isinstance(entry.get("preset"), str):
         raise Wrong(f"presets: {shown(entry)} has no `preset`; write a preset's name or {{name: "
                     "a, preset: balanced, options: {iterations: 500}}")
     check_keys(entry, ("name", "preset", "options"), f"presets: {entry['preset']}")
-    options = entry.get("options") or {}
-    if not isinstance(options, dict):
-        raise Wrong(f"presets: {entry['preset']}: options: expected {{iterations: 500}}, not "
-                    f"{shown(options)}")
+    options = read_options(entry.get("options") or {}, f"presets: {entry['preset']}: options")
     name = check_name(str(entry.get("name") or entry["preset"]), "presets")
-    return Variant(name, entry["preset"],
-                   tuple(sorted((str(k).replace("-", "_"), text_of(v)) for k, v in options.items())))
+    return Variant(name, entry["preset"], tuple(sorted(options.items())))
+
+
+def read_table(given):
+    """A variant for each row of a table of the workflow; its options go over those of the file.
+    Errors: Wrong."""
+    if "presets" in given:
+        raise Wrong("table: its rows have their presets; take out `presets` or `table`")
+    names = sorted(name.removesuffix(".json") for name in os.listdir(TABLES))
+    if given["table"] not in names:
+        raise Wrong(f"table: unknown table '{given['table']}'; {nearest(given['table'], names)}"
+                    f"There are {', '.join(names)}")
+    with open(os.path.join(TABLES, given["table"] + ".json")) as text:
+        rows = json.load(text)["rows"]
+    above = read_options(given.get("options") or {}, "options")
+    return [Variant(row["name"], row["preset"],
+                    tuple(sorted({**above, **read_options(row["options"], row["name"])}.items())),
+                    row["label"], tuple(row["published"])) for row in rows]
+
+
+def multiplied(plain, given):
+    """The variant with each of the budgets and each of the steps. Errors: Wrong."""
+    variants = [plain]
+    for key, option, end, words in AXES:
+        values = list_of(given, key, int, [], least=1)
+        if values and option in dict(plain.options):
+            raise Wrong(f"{key}: {plain.name} has {option} of its own; take one of them out")
+        if values:
+            variants = [dataclasses.replace(
+                v, name=f"{v.name}-{n}{end}", label=v.label and f"{v.label}, {n}{words}",
+                options=tuple(sorted({**dict(v.options), option: str(n)}.items())))
+                for v in variants for n in values]
+    return variants
 
 
 def read_variants(given):
+    if given.get("table") is not None:
+        plain = read_table(given)
+    elif given.get("options"):
+        raise Wrong("options: go with `table`; each of `presets` has options of its own")
+    else:
+        plain = [read_variant(entry)
+                 for entry in list_of(given, "presets", None, ["balanced"], filled=True)]
     variants = {}
-    budgets = list_of(given, "budgets", int, [], least=1)
-    for entry in list_of(given, "presets", None, ["balanced"], filled=True):
-        plain = read_variant(entry)
-        wide = [dataclasses.replace(plain, name=f"{plain.name}-{n}", options=tuple(sorted(
-            {**dict(plain.options), "max_gaussians": str(n)}.items()))) for n in budgets]
-        for variant in wide or [plain]:
-            if variant.name in variants:
-                raise Wrong(f"presets: two are named '{variant.name}'; give one of them another "
-                            "`name`")
-            variants[variant.name] = variant
+    for variant in (wide for entry in plain for wide in multiplied(entry, given)):
+        if variant.name in variants:
+            raise Wrong(f"presets: two are named '{variant.name}'; give one of them another "
+                        "`name`")
+        variants[variant.name] = variant
     return variants
 
 
@@ -168,9 +213,10 @@ def scenes_of(batch, part):
 def snapshot_of(batch):
     """What batch.yaml comes to, for jobs and the report."""
     return {"tessera": batch.program,
-            "scenes": [{"name": s.name, "path": s.path, "ingest": list(s.ingest)}
+            "scenes": [{"name": s.name, "path": s.path, "ingest": list(s.ingest), "split": s.split}
                        for s in batch.scenes.values()],
-            "variants": [{"name": v.name, "preset": v.preset, "options": dict(v.options)}
+            "variants": [{"name": v.name, "preset": v.preset, "options": dict(v.options),
+                          "label": v.label, "published": list(v.published)}
                          for v in batch.variants.values()],
             "seeds": list(batch.seeds), "exports": list(batch.formats), "threads": batch.threads,
             "gpus": batch.gpus, "deterministic": batch.deterministic}
@@ -179,14 +225,29 @@ def snapshot_of(batch):
 def from_snapshot(given, out):
     """A running batch is what it was when it began, whatever becomes of batch.yaml."""
     return Batch(out=out, program=given["tessera"],
-                 scenes={s["name"]: Scene(s["name"], s["path"], tuple(s["ingest"]))
+                 scenes={s["name"]: Scene(s["name"], s["path"], tuple(s["ingest"]), s.get("split", ""))
                          for s in given["scenes"]},
                  variants={v["name"]: Variant(v["name"], v["preset"],
-                                              tuple(sorted(v["options"].items())))
+                                              tuple(sorted(v["options"].items())),
+                                              v.get("label", ""), tuple(v.get("published", ())))
                            for v in given["variants"]},
                  seeds=tuple(given["seeds"]), formats=tuple(given["exports"]),
                  threads=given["threads"], gpus=given["gpus"],
                  deterministic=given["deterministic"])
+
+
+def parse(file, text):
+    """Errors: Wrong."""
+    if yaml is None:
+        try:
+            return json.loads(text)
+        except ValueError:
+            raise Wrong(f"{file}: is not JSON, and the Python module that reads YAML is missing; "
+                        "install it (apt-get install python3-yaml)") from None
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise Wrong(f"{file}: {' '.join(str(error).split())}") from None
 
 
 def load(file):
@@ -194,11 +255,11 @@ def load(file):
     base = os.path.dirname(os.path.abspath(file))
     try:
         with open(file) as text:
-            given = yaml.safe_load(text) or {}
+            given = parse(file, text.read()) or {}
     except OSError as error:
         raise Wrong(f"{file}: {error.strerror}; `tessera batch` writes it, --directory names its "
                     "folder") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise Wrong(f"{file}: {' '.join(str(error).split())}") from None
     if not isinstance(given, dict):
         raise Wrong(f"{file}: expected `key: value` lines; there are {', '.join(KEYS)}")

@@ -45,11 +45,15 @@ def smaller(run, forecast):
     return result
 
 
+def request(variant, seed, deterministic):
+    return {"preset": variant.preset, "options": variant.given(), "seed": seed,
+            "deterministic": deterministic}
+
+
 def command(run, scene, variant, seed, deterministic, forecast, out_of_memory):
     """The words after `tessera train SCENE -o RUN`; batch.json says what it was reduced by."""
     state_file = os.path.join(run, "batch.json")
-    asked = {"preset": variant.preset, "options": variant.given(), "seed": seed,
-             "deterministic": deterministic, "scene": digest(scene)}
+    asked = {**request(variant, seed, deterministic), "scene": digest(scene)}
     state = records.read(state_file)
     reduced = state.get("reduced", {}) if state.get("asked") == asked else {}
     if out_of_memory and state.get("asked") == asked:

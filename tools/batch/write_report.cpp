@@ -1,22 +1,28 @@
-// Collects the data, renders the views and writes the files.
+// Joins the data of the batch with the images of its runs' reports, and writes the files.
 #include "tools/batch/write_report.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
-#include "tools/batch/batch_page.h"
 #include "tools/batch/batch_report.h"
-#include "tools/batch/held_out_views.h"
-#include "tools/bench/report.h"
-#include "tools/bench/scene_chart.h"
+#include "tools/batch/points.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
+#include "tools/report/log_events.h"
+#include "tools/report/report_page.h"
+#include "tools/report/write_run_report.h"
+#include "tools/session/device_choice.h"
+#include "tools/session/run_folder.h"
+#include "tools/session/version.h"
+#include "tools/web/page_words.h"
+#include "tools/web/web_page.h"
 
 namespace tessera {
 namespace {
@@ -24,89 +30,103 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr size_t kManyScenes = 100;             // above, one view of each
-constexpr size_t kMostPictureBytes = 64 << 20;  // within the page
+constexpr size_t kMostImageBytes = 16 << 20;  // within the page; above, it names their files
+constexpr const char* kImages[] = {"truth", "result", "error"};
 
-void draw_charts(const json& report, const fs::path& folder, BatchImages& images) {
-  for (const json& scene : report["scenes"]) {
-    const std::string name = scene["scene"];
-    const std::string svg = scene_svg(scene, {});
-    if (svg.empty()) continue;
-    write_text_file(folder / fmt::format("chart_{}.svg", name), svg);
-    images.charts.emplace_back(name, svg);
+bool is_older(const fs::path& file, const fs::path& than) {
+  std::error_code absent;
+  const auto time = fs::last_write_time(than, absent);
+  return !absent && fs::last_write_time(file) < time;
+}
+
+/// The entry of a run in its own report, which is written where there is none of this model.
+json own_report(const fs::path& folder, const std::string& backend) {
+  const RunFolder run{folder};
+  const fs::path file = folder / "report" / "report.json";
+  std::vector<std::string> ignored;
+  json report = read_object(file, ignored);
+  const bool current = count_at(report, "schema") == kReportSchema &&
+                       text_at(report, "version") == kVersionText && report.contains("runs") &&
+                       !is_older(file, run.model()) && !is_older(file, run.metrics());
+  if (!current) report = write_run_report({{folder}, {}, [&] { return make_backend(backend); }});
+  return report["runs"][0];
+}
+
+/// `path` of a file of a run's report, from the report of the batch.
+fs::path from_batch(const json& run, const std::string& path) {
+  return (fs::path("..") / run["folder"].get<std::string>() / "report" / path).lexically_normal();
+}
+
+/// Gives a run the views that have images in its own report, and a link to that.
+void take_views(const json& own, json& run) {
+  run["image_note"] = own.value("image_note", json());
+  for (const json& view : own["views"]) {
+    if (!view.contains("truth") || view["truth"].is_null()) continue;
+    run["views"].push_back(view);
+    for (const char* image : kImages)
+      if (run["views"].back()[image].is_string())
+        run["views"].back()[image] = from_batch(run, view[image]).generic_string();
   }
+  run["files"].insert(run["files"].begin(),
+                      json{{"name", "Report"},
+                           {"path", from_batch(run, "index.html").generic_string()},
+                           {"bytes", nullptr}});
 }
 
-/// Adds a run's views to those of its scene; the truth is that of the first run with the frame.
-/// Returns the bytes of what was added.
-size_t add_views(std::vector<ComparedView>& views, const json& run,
-                 const std::vector<HeldOutView>& drawn) {
-  size_t bytes = 0;
-  for (const HeldOutView& one : drawn) {
-    bytes += one.drawn.size();
-    ComparedView* compared = nullptr;
-    for (ComparedView& view : views)
-      if (view.frame == one.frame) compared = &view;
-    if (compared == nullptr) {
-      compared = &views.emplace_back(ComparedView{one.frame, one.truth, {}});
-      bytes += one.truth.size();
-    }
-    compared->renders.push_back({run["preset"], one.drawn, one.psnr});
-  }
-  return bytes;
-}
-
-std::vector<ComparedView>& views_of(BatchImages& images, const std::string& scene) {
-  for (auto& [name, views] : images.views)
-    if (name == scene) return views;
-  return images.views.emplace_back(scene, std::vector<ComparedView>{}).second;
-}
-
-/// Of each preset of a scene the first seed that has a score.
-void draw_views(const ReportRequest& request, const json& report, BatchImages& images) {
-  const std::unique_ptr<Backend> backend = make_backend(request.backend);
+/// Of each scene and variant the first seed that has a score has images.
+void add_images(const ReportRequest& request, json& runs) {
+  std::set<std::pair<std::string, std::string>> shown;
   ProgressBar bar("report");
-  const int64_t most = report["scenes"].size() > kManyScenes ? 1 : request.images;
-  json drawn = json::array();
   int64_t done = 0;
-  size_t bytes = 0;
-  for (const json& run : report["runs"]) {
+  for (json& run : runs) {
     stop_if_interrupted();
-    bar.update(++done, int64_t(report["runs"].size()), "views");
-    const json which = {run["scene"], run["preset"]};
-    if (!run.contains("psnr") || std::find(drawn.begin(), drawn.end(), which) != drawn.end())
-      continue;
-    drawn.push_back(which);
-    if (bytes > kMostPictureBytes) {
-      images.notes.push_back(
-          fmt::format("Images from {} on are left out, as the page has {} MiB of them; `tessera "
-                      "report --pictures 0` makes one without any.",
-                      run["scene"].get<std::string>(), bytes >> 20));
-      return;
-    }
+    bar.update(++done, int64_t(runs.size()), "runs");
+    run["views"] = json::array();  // of a batch, those with images alone
+    if (!request.images || run["scores"]["psnr"].is_null()) continue;
+    if (!shown.emplace(run["scene"], run["variant"]).second) continue;
     try {
-      const std::vector<HeldOutView> views =
-          held_out_views(*backend, request.out / run["folder"].get<std::string>(), most);
-      bytes += add_views(views_of(images, run["scene"]), run, views);
+      take_views(own_report(request.out / run["folder"].get<std::string>(), request.backend), run);
     } catch (const InputError& error) {
-      images.notes.push_back(error.what());
+      run["image_note"] = error.what();
     }
   }
+}
+
+/// The report with its images in it, where they are small together.
+json with_images_inside(json report, const fs::path& folder) {
+  size_t bytes = 0;
+  json inside = report;
+  for (json& run : inside["runs"])
+    for (json& view : run["views"])
+      for (const char* image : kImages) {
+        if (!view[image].is_string()) continue;
+        const fs::path file = folder / view[image].get<std::string>();
+        const std::string content = fs::exists(file) ? read_text_file(file) : "";
+        bytes += content.size();
+        if (bytes > kMostImageBytes) return report;
+        view[image] =
+            data_address(file.extension() == ".png" ? "image/png" : "image/jpeg", content);
+      }
+  return inside;
 }
 
 }  // namespace
 
 json write_report(const ReportRequest& request) {
-  const json report = batch_report(read_batch(request.out));
+  json report = batch_report(read_batch(request.out));
+  report["schema"] = kReportSchema;
+  report["version"] = kVersionText;
+  report["made"] = utc_time();
+  add_images(request, report["runs"]);
   const fs::path folder = request.out / "report";
   make_folder(folder);
-  BatchImages images;
-  draw_charts(report, folder, images);
-  if (request.images > 0) draw_views(request, report, images);
-  constexpr auto kReplaceInvalid = json::error_handler_t::replace;
-  write_together({{folder / "report.csv", csv_of(report["scenes"])},
-                  {folder / "report.json", report.dump(1, ' ', false, kReplaceInvalid) + "\n"},
-                  {folder / "index.html", batch_page(report, images)}});
+  std::vector<std::pair<fs::path, std::string>> files = {
+      {folder / "report.csv", csv_of(report["batch"]["scenes"])},
+      {folder / "report.json", report_text(report)}};
+  if (carries_pages())
+    files.emplace_back(folder / "index.html",
+                       filled_report_page(with_images_inside(report, folder)));
+  write_together(files);
   return report;
 }
 

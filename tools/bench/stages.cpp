@@ -110,7 +110,7 @@ int bench_stages_command(StageBenchRequest request) {
       searching = choose_backend(request.training.backend).backend;
       return searching->pixel_search();
     };
-    complete_cloud(scene, options, device, warnings);
+    complete_cloud(scene, options, {}, device, warnings);
     for (const std::string& warning : warnings) warn(warning);
   }
   resolve_by_cloud(scene, options);

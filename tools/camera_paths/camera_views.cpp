@@ -148,8 +148,9 @@ Split parse_split(const std::string& name) {
   throw InputError(fmt::format("unknown split '{}'; choose train, val or test", name));
 }
 
-Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
+Scene scene_for(const GaussianModel& model, const fs::path& model_path, const fs::path& path,
                 SceneOptions options) {
+  options.window = core_of_model(model_path, path);
   options.background = model.background;
   options.allow_static = true;
   Scene scene = load_scene(path, options);

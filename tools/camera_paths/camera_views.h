@@ -45,11 +45,12 @@ std::vector<KeyFrame> read_key_frames(const std::filesystem::path& file, const s
 /// "train", "val" or "test". Errors: InputError.
 Split parse_split(const std::string& name);
 
-/// The scene with its images on the model's background, times and cameras those of the model.
-/// `options`: what of it is loaded; background and allow_static are set here. Errors: as
+/// The scene with its images on the model's background, times and cameras those of the model, which
+/// was read from `model_path`: where a window of this scene was trained, the frames of its core.
+/// `options`: what of it is loaded; background, allow_static and window are set here. Errors: as
 /// load_scene.
-Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
-                SceneOptions options = {});
+Scene scene_for(const GaussianModel& model, const std::filesystem::path& model_path,
+                const std::filesystem::path& path, SceneOptions options = {});
 
 struct Rig {
   std::vector<PlayerCamera> cameras;  // in the model's world; each place once, at most 32

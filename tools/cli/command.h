@@ -14,6 +14,7 @@ using Work = std::function<int()>;
 
 void add_run_command(CLI::App& app, Work& work);
 void add_ingest_command(CLI::App& app, Work& work);
+void add_unpack_command(CLI::App& app, Work& work);
 void add_doctor_command(CLI::App& app, Work& work);
 void add_train_command(CLI::App& app, Work& work);
 void add_evaluate_command(CLI::App& app, Work& work);

@@ -35,6 +35,8 @@ const Words<ImageLayout> kLayoutWords{
 const Words<CloudDensity> kCloudWords{{"dense", CloudDensity::kDense},
                                       {"none", CloudDensity::kNone},
                                       {"sparse", CloudDensity::kSparse}};
+const Words<FramesAs> kFramesWords{{name_of(FramesAs::kPng), FramesAs::kPng},
+                                   {name_of(FramesAs::kVideo), FramesAs::kVideo}};
 const Words<bool> kIntrinsicsWords{{"per-camera", true}, {"shared", false}};
 const Words<PoseSource::Kind> kPoseWords{{"", PoseSource::kFound},
                                          {"colmap", PoseSource::kColmap},
@@ -105,6 +107,11 @@ void add_frame_options(CLI::App& command, IngestArguments& arguments) {
           "test cameras (or photos), by name; default: the innermost camera of a rig; for photos "
           "see --test-every")
       ->delimiter(',');
+  command
+      .add_option("--frames-as", arguments.frames_as,
+                  "videos of fixed cameras: png (an image a frame), or video (frames are decoded "
+                  "from the source videos when the scene is loaded, and take no disk)")
+      ->capture_default_str();
   command.add_option("--images", options.images,
                      "photos: folder of the images, for example images_4; default: images");
   command.add_option(
@@ -183,6 +190,7 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
   options.poses.strict = options.strict;
   if (const auto cache = user_cache_folder(); !cache.empty())
     options.poses.cache = cache / "colmap";
+  options.frames_as = value_of(kFramesWords, arguments.frames_as, "--frames-as");
   if (!arguments.layout.empty())
     options.image_layout = value_of(kLayoutWords, arguments.layout, "--layout");
   if (!arguments.cloud.empty()) options.cloud = value_of(kCloudWords, arguments.cloud, "--cloud");
@@ -209,6 +217,7 @@ nlohmann::json to_json(const IngestOptions& o) {
           {"layout", o.layout ? layout_name(*o.layout) : ""},
           {"image_layout", o.image_layout ? word_of(kLayoutWords, *o.image_layout) : kDefault},
           {"images", o.images},
+          {"frames_as", name_of(o.frames_as)},
           {"test_every", o.test_every.value_or(-1)},
           {"poses", text_of(o.poses.source)},
           {"files of the poses", stamps_of(o.poses.source.cameras)},

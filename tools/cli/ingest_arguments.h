@@ -11,7 +11,7 @@ namespace tessera {
 
 struct IngestArguments {
   IngestOptions options;
-  std::string sync = "auto", intrinsics = "shared", cloud, layout, poses;
+  std::string sync = "auto", intrinsics = "shared", cloud, layout, poses, frames_as = "png";
 };
 
 void add_ingest_options(CLI::App& command, IngestArguments& arguments);

@@ -4,8 +4,8 @@
 // The rules are the same for all commands that write; links and mounts are resolved:
 // 1. A capture or a scene that a command reads is never written to: an output that is this folder
 //    or lies in it is refused, before anything is written (`run C -o C`, `train S -o S/run`).
-// 2. Commands that fill a whole folder (run, ingest, train, bench, batch) are refused one that
-//    contains such an input as well: a second call replaces what is there.
+// 2. Commands that fill a whole folder (run, ingest, train, batch) are refused one that contains
+//    such an input as well: a second call replaces what is there.
 // 3. A run folder is no input in this sense: `export RUN -o RUN/export` is allowed, and `run` keeps
 //    OUT/scene beside OUT/run. Nor is a folder of captures, whose results may lie beside them; each
 //    capture in it is one.

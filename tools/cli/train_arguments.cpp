@@ -106,9 +106,10 @@ PlannedOptions resolve_options(const TrainArguments& arguments, SceneFacts facts
   return planned;
 }
 
-PlannedOptions resolve_options(const TrainArguments& arguments,
-                               const std::filesystem::path& scene) {
+PlannedOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene,
+                               const std::optional<Window>& window) {
   SceneOptions options;
+  options.window = window;
   options.allow_static = layered_options(arguments, {}).motion == Motion::kNone;
   options.load_pixels = false;
   return resolve_options(arguments, facts_of(load_scene(scene, options)));

@@ -29,6 +29,7 @@ void add_option_table(CLI::App& command, TrainArguments& arguments);
 /// InputError.
 PlannedOptions resolve_options(const TrainArguments& arguments, SceneFacts facts);
 /// The same for the scene in that folder, whose cameras and times are read. Errors: as load_scene.
-PlannedOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene);
+PlannedOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene,
+                               const std::optional<Window>& window = {});
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
 // `tessera batch`: many captures with several presets, budgets and seeds. It writes batch.yaml and
-// the workflow, whose jobs are commands of this program, runs Snakemake, and prints a summary.
+// the workflow, whose jobs are commands of this program, runs its engine, and prints a summary.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,6 +30,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+constexpr const char* kTablePreset = "faster-gs";  // by which options beside a table are checked
 
 struct BatchRequest {
   std::vector<std::string> datasets;
@@ -96,6 +98,13 @@ void pass_over_test_views(const IngestOptions& options, std::vector<Dataset>& da
                     listed_names(names)));
 }
 
+/// Its rows have theirs.
+void refuse_with_table(const CLI::App& command) {
+  for (const char* name : {"--preset", "--ablation"})
+    if (command.count("--table") > 0 && command.count(name) > 0)
+      throw InputError(fmt::format("{} does not go with --table, whose rows have theirs", name));
+}
+
 void complete(const CLI::App& command, BatchRequest& request) {
   BatchConfig& config = request.config;
   config.options = request.training.given;
@@ -104,11 +113,12 @@ void complete(const CLI::App& command, BatchRequest& request) {
     config.options["checkpoint_every"] = request.checkpoint_every;
   pass_over_test_views(resolve_ingest(request.ingest), config.datasets);  // its errors now
   config.ingest = ingest_words(command, request);
-  const int64_t jobs = std::max<int64_t>(request.engine.jobs, 1);
+  if (!config.table.empty()) config.presets = {kTablePreset};
+  const EngineRequest& engine = request.engine;
   if (command.count("--threads") == 0)
-    config.threads = std::max<int64_t>(request.engine.cores / jobs, 1);
+    config.threads = std::max<int64_t>(engine.cores / std::max<int64_t>(engine.jobs, 1), 1);
   if (command.count("--gpus") == 0)
-    config.gpus = runs_here(request.engine) && is_cuda_chosen("auto") ? 1 : 0;
+    config.gpus = runs_here(engine) && is_cuda_chosen("auto") ? 1 : 0;
   request.engine.gpus = config.gpus;
   if (command.count("--exports") == 0 && !carries_pages()) config.exports = {"tessera"};
 }
@@ -130,7 +140,6 @@ void write_batch(const CLI::App& command, BatchRequest& request) {
     if (!fs::exists(file))
       throw InputError(
           fmt::format("{}: is not there; name the captures of the batch", file.string()));
-    check_engine();
     engine.gpus = command.count("--gpus") > 0 || !config.is_object()
                       ? request.config.gpus
                       : config.value("gpus", int64_t{0});
@@ -142,9 +151,9 @@ void write_batch(const CLI::App& command, BatchRequest& request) {
           file.string()));
     request.config.datasets = find_datasets(request.datasets, engine.out);
     state_changed_names(request.config.datasets);
+    refuse_with_table(command);
     complete(command, request);
     const std::string text = batch_yaml(request.config).dump(2) + "\n";
-    check_engine();
     make_folder(engine.out);
     if (engine.dry_run) engine.file = "batch.dry-run.yaml";
     if (config.dump(2) + "\n" != text || engine.dry_run)
@@ -163,7 +172,7 @@ int finish(const fs::path& out, int engine_code) {
     text += fmt::format("; why: {}, {}", (out / "report" / "index.html").string(),
                         (out / "failures").string());
   else if (engine_code != 0)
-    text += fmt::format("; snakemake has left with exit code {}: see above", engine_code);
+    text += fmt::format("; the engine has left with exit code {}: see above", engine_code);
   else
     text += fmt::format("; report: {}", (out / "report" / "index.html").string());
   print_result(false, {}, text);
@@ -176,8 +185,10 @@ int batch(const CLI::App& command, BatchRequest& request) {
   engine.out = fs::absolute(engine.out).lexically_normal();
   engine.cores = std::max(1u, std::thread::hardware_concurrency());
   engine.memory_mb = machine_memory() >> 20;
+  check_engine(engine);
   write_batch(command, request);
   const std::vector<std::string> arguments = engine_arguments(engine);
+  if (!has_snakemake()) say("snakemake is not installed: the jobs run one after the other");
   say(shell_line(arguments));
   BatchWatch watch(engine.out);
   const int code = run_engine(arguments, interrupted, [&] { watch.tick(); });
@@ -186,6 +197,15 @@ int batch(const CLI::App& command, BatchRequest& request) {
   if (code == kExitBadInput || engine.dry_run) return code;  // the workflow has printed why
   watch.look();
   return finish(engine.out, code);
+}
+
+/// "\n    NAME  what it compares" of each table.
+std::vector<std::string> table_lines() {
+  std::vector<std::string> lines;
+  for (const auto& [name, text] : workflow_tables())
+    lines.push_back(
+        fmt::format("\n    {:<13} {}", name, json::parse(text).at("doc").get<std::string>()));
+  return lines;
 }
 
 void add_batch_options(CLI::App& command, BatchRequest& request) {
@@ -200,6 +220,10 @@ void add_batch_options(CLI::App& command, BatchRequest& request) {
         ->capture_default_str();
   };
   list("--preset", config.presets, "of `tessera train`, a column of the report each");
+  command.add_option("--table", config.table,
+                     fmt::format("of published figures, a column for each of its rows:{}",
+                                 fmt::join(table_lines(), "")));
+  list("--steps", config.steps, "iterations: every preset is trained with each of them");
   list("--budgets", config.budgets, "most Gaussians: every preset is trained with each of them");
   list("--seeds", config.seeds, "a training each; the report has medians");
   list("--exports", config.exports, "formats of `tessera export`");
@@ -232,7 +256,8 @@ void add_batch_command(CLI::App& app, Work& work) {
       "batch",
       "reconstruct many captures with many presets here or on a cluster; repeat it to resume");
   command->add_option("datasets", request->datasets,
-                      "captures, folders of captures, globs; without any OUT/batch.yaml as it is");
+                      "captures, folders of captures, globs; PATH:val is scored on that split; "
+                      "without any OUT/batch.yaml as it is");
   command->add_option("-o,--out", request->engine.out, "folder of the batch")->required();
   add_batch_options(*command, *request);
   add_engine_options(*command, request->engine);

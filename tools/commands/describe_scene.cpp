@@ -24,12 +24,17 @@ using nlohmann::json;
 
 struct Sizes {
   std::map<std::pair<int, int>, int64_t> frames;  // by width and height
-  int64_t with_alpha = 0, not_png = 0;
+  int64_t with_alpha = 0, not_png = 0, in_videos = 0;
 };
 
 Sizes image_sizes(const TransformsCapture& capture) {
   Sizes sizes;
   for (const TransformsFrame& frame : capture.frames) {
+    if (frame.clip >= 0) {
+      ++sizes.in_videos;
+      ++sizes.frames[{frame.camera.width, frame.camera.height}];
+      continue;
+    }
     if (frame.image.extension() != ".png" && frame.image.extension() != ".PNG") {
       ++sizes.not_png;
       continue;
@@ -91,6 +96,7 @@ json describe_transforms(const fs::path& folder) {
   info["frames_with_alpha"] = sizes.with_alpha;
   info["background"] = sizes.with_alpha > 0 ? "alpha: composited on --background" : "opaque";
   if (sizes.not_png > 0) info["frames_not_png"] = sizes.not_png;
+  if (sizes.in_videos > 0) info["frames_in_videos"] = sizes.in_videos;
   if (prepared) put_preparation(folder, info);
   if (!capture.warnings.empty()) info["warnings"] = capture.warnings;
   if (!capture.notes.empty()) info["notes"] = capture.notes;

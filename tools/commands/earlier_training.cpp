@@ -12,12 +12,19 @@ namespace tessera {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-json asked_of_training(const TrainArguments& arguments, const PlannedOptions& planned) {
+namespace {
+constexpr const char* kWindow = "window";
+constexpr const char* kWholeClip = "the whole clip";
+}  // namespace
+
+json asked_of_training(const TrainArguments& arguments, const PlannedOptions& planned,
+                       const std::optional<Window>& window) {
   json options = to_json(planned.options);
   if (planned.with_nodes) options["with_nodes"] = to_json(*planned.with_nodes);
   return {{"preset", arguments.preset},
           {"ablation", arguments.ablation},
-          {"options", std::move(options)}};
+          {"options", std::move(options)},
+          {kWindow, window ? text_of(*window) : kWholeClip}};
 }
 
 json recorded_result(const RunFolder& run) {
@@ -40,6 +47,8 @@ RunRecord record_of(const RunFolder& run, const fs::path& scene) {
     if (options.is_object() && config.value("scene", "") == fs::absolute(scene).string())
       record.request = {{"preset", config.value("preset", "")}, {"options", options}};
   }
+  if (record.request.is_object() && !record.request.contains(kWindow))
+    record.request[kWindow] = kWholeClip;  // by a version that knew no windows
   // a resumed training may have been given more steps than it was begun with
   if (record.finished && record.request.is_object())
     record.request["options"]["iterations"] = result.at("total_iterations");

@@ -199,7 +199,8 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   const fs::path folder = scene_path(request, path);
   if (!request.images.empty()) check_output_of_model(request.images, path, folder);
   const SceneLock in_use(folder, SceneLock::Use::kRead);
-  const Scene scene = scene_for(input.model, folder, {.pixels_of = requested_splits(request)});
+  const Scene scene =
+      scene_for(input.model, path, folder, {.pixels_of = requested_splits(request)});
   for (const std::string& warning : scene.warnings) warn(warning);
   const std::vector<Split> splits = chosen_splits(request, scene);
   json scores = score(request, input, scene, splits, lpips, backend);

@@ -23,16 +23,20 @@ struct ReportArguments {
   std::vector<fs::path> folders;
   fs::path out;
   int threads = 0;
-  bool json = false;
+  bool json = false, no_images = false;
 };
+
+void say_without_pages() {
+  if (!carries_pages())
+    report_error("tessera: this build has no web pages: the report has data and images alone");
+}
 
 void report_of_runs(const ReportArguments& arguments) {
   if (arguments.folders.size() > 1 && arguments.out.empty())
     throw InputError("-o is missing: the folder for the report that compares these runs");
   const nlohmann::json report = write_run_report(
       {arguments.folders, arguments.out, [&] { return make_backend(arguments.batch.backend); }});
-  if (!carries_pages())
-    report_error("tessera: this build has no web pages: the report has data and images alone");
+  say_without_pages();
   print_result(arguments.json, report, report["page"].get<std::string>());
 }
 
@@ -40,9 +44,11 @@ void report_of_batch(const ReportArguments& arguments) {
   if (!arguments.out.empty())
     throw InputError("-o is for the report of a run; that of a batch is written to report/ in it");
   const nlohmann::json report = write_report(arguments.batch);
+  say_without_pages();
+  const char* const file = carries_pages() ? "index.html" : "report.json";
   print_result(arguments.json, report,
-               fmt::format("{}: {}", (arguments.batch.out / "report" / "index.html").string(),
-                           report["summary"].get<std::string>()));
+               fmt::format("{}: {}", (arguments.batch.out / "report" / file).string(),
+                           report["batch"]["summary"].get<std::string>()));
 }
 
 }  // namespace
@@ -58,19 +64,17 @@ void add_report_command(CLI::App& app, Work& work) {
       ->required();
   command.add_option("-o,--out", parsed->out,
                      "folder for the report of runs; default, of one run: report/ in it");
-  command.add_option(
-      "--pictures", parsed->batch.images,
-      "batch: held-out views of each scene beside the truth (of each of more than 100 one); "
-      "they are drawn once. 0: none");
+  command.add_flag("--no-images", parsed->no_images,
+                   "batch: without views of its runs, which are rendered once for each scene and "
+                   "preset");
   add_backend_options(command, parsed->batch.backend);
   command.add_option("--threads", parsed->threads, "CPU threads; 0: all");
   command.add_flag("--json", parsed->json, "print what report.json holds");
   command.callback([parsed, &work] {
     work = [parsed] {
       set_thread_count(parsed->threads);
-      if (parsed->batch.images < 0)
-        throw InputError(fmt::format("--pictures is {}, expected 0 or more", parsed->batch.images));
       parsed->batch.out = parsed->folders.front();
+      parsed->batch.images = !parsed->no_images;
       const bool of_runs = parsed->folders.size() > 1 || is_run(parsed->batch.out);
       of_runs ? report_of_runs(*parsed) : report_of_batch(*parsed);
       return int(kExitDone);

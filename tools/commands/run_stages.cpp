@@ -266,8 +266,8 @@ class Runner {
   bool evaluate_model() {
     return do_stage(kEvaluate, of_training({}), run_.metrics(), [&] {
       const GaussianModel model = load_model(run_.model());
-      const Scene scene =
-          scaled_scene(scene_for(model, scene_, {.pixels_of = kHeldOutSplits}), model.train_scale);
+      const Scene scene = scaled_scene(
+          scene_for(model, run_.root, scene_, {.pixels_of = kHeldOutSplits}), model.train_scale);
       const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
       ProgressBar bar("evaluate");
       const json scores = score_splits(

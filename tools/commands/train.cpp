@@ -199,9 +199,8 @@ void add_train_command(CLI::App& app, Work& work) {
     TrainRequest request;
     TrainArguments arguments;
     bool json = false, view = false;
-    std::string resume;
+    std::string resume, window, time_limit;
     int64_t stop_after = 0;
-    std::string time_limit;
   };
   const auto parsed = std::make_shared<Parsed>();
   CLI::App& command =
@@ -219,6 +218,9 @@ void add_train_command(CLI::App& app, Work& work) {
                      "steps of this call; training then stops with a checkpoint; 0: all");
   command.add_option("--time-limit", parsed->time_limit,
                      "stop with a checkpoint and exit code 75 before this time: 90s, 2h, 1h30m");
+  command.add_option("--window", parsed->window,
+                     "I/N: of a moving scene only the I-th of N equal parts, with 8 timesteps "
+                     "beyond both ends; evaluate scores the part itself");
   command.add_flag("--view", parsed->view, "show the training in a browser: tessera view RUN");
   command.add_flag("--json", parsed->json, "print one JSON object");
   add_train_options(command, parsed->arguments);
@@ -230,14 +232,22 @@ void add_train_command(CLI::App& app, Work& work) {
       request.resume = !decides && !parsed->resume.empty();
       request.stopwatch = running_stopwatch();
       if (!parsed->time_limit.empty()) request.time_limit = parse_duration(parsed->time_limit);
+      if (!parsed->window.empty()) request.window = window_of_text(parsed->window, "--window");
       const TrainArguments& arguments = parsed->arguments;
       set_thread_count(arguments.threads);
       check_output_apart(request.run, request.scene);
-      PlannedOptions planned = resolve_options(arguments, request.scene);
+      PlannedOptions planned = resolve_options(arguments, request.scene, request.window);
       if (request.resume) {
-        request.made_for = RunFolder{request.run}.made_for();
+        const RunFolder run{request.run};
+        if (request.window && request.window != run.window())
+          throw InputError(fmt::format(
+              "--window {}: the run was begun {}; leave the option out, or start a new run folder",
+              parsed->window,
+              run.window() ? "with window " + text_of(*run.window()) : "with the whole scene"));
+        request.window = run.window();
+        request.made_for = run.made_for();
       } else {
-        nlohmann::json asked = asked_of_training(arguments, planned);
+        nlohmann::json asked = asked_of_training(arguments, planned, request.window);
         asked[kSceneFiles] = key_of(file_stamps(request.scene));
         request.made_for = asked.dump();
       }

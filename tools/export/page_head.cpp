@@ -124,7 +124,7 @@ nlohmann::json truth_views(const ExportRequest& request, const GaussianModel& mo
         "export: --truth needs the scene's images, and the model's scene is not there; pass the "
         "scene as --cameras");
   nlohmann::json views = nlohmann::json::array();
-  for (const Frame& frame : scene_for(model, place, {.held_out = kMostViews}).frames)
+  for (const Frame& frame : scene_for(model, request.model, place, {.held_out = kMostViews}).frames)
     views.push_back(truth_json(frame, image_address(frame.image)));
   return views;
 }

@@ -195,6 +195,7 @@ void LiveWatch::load_views() {
   wanted.background = parse_background(options.background);
   wanted.allow_static = true;
   wanted.held_out = kViews;
+  wanted.window = run().window();
   Scene scene = load_scene(run().scene(), wanted);
   std::vector<std::string> views;
   for (const Frame& frame : scene.frames) {

@@ -163,17 +163,18 @@ std::vector<ScoredView> scored_views(const json& metrics) {
 json run_report(const RunRecords& records) {
   const std::vector<json> events = log_events(records.log);
   const bool is_done = !events.empty() && text_at(events.back(), "event") == "end";
-  const json end = is_done ? events.back() : json();
+  const json& end = is_done ? events.back() : records.trained;
   const json& ingest = field_at(field_at(records.stages, "ingest"), "result");
   const RunCurves curves = run_curves(events);
   json run = starts_of(events);
   run["preset"] = text_at(records.config, "preset");
   run["seed"] = field_at(records.config, "seed");
   run["version"] = text_at(records.config, "tessera");
+  run["commit"] = text_at(records.config, "commit");
   run["device"] = text_at(records.config, "device");
   run["state"] = is_done ? "done" : "unfinished";
   run["split"] = text_at(records.metrics, "split");
-  run["steps"] = curves.loss.empty() ? 0 : curves.loss.back().step;
+  run["steps"] = curves.loss.empty() ? count_at(end, "iterations") : curves.loss.back().step;
   const json& options = field_at(records.config, "options");
   run["options"] = options.is_object() ? options : json::object();
   run["scores"] = scores_of(records.metrics);

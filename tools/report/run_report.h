@@ -15,6 +15,7 @@ struct RunRecords {
   nlohmann::json config, metrics;  // RUN/config.json, RUN/metrics.json
   nlohmann::json stages;           // OUT/stages.json of `tessera run`
   std::string log;                 // RUN/log.jsonl
+  nlohmann::json trained{};        // what `tessera train --json` printed, for a run without a log
 };
 
 struct ScoredView {

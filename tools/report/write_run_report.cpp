@@ -19,6 +19,7 @@
 #include "recon4d/model/model_file.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"
+#include "tools/report/report_page.h"
 #include "tools/report/run_images.h"
 #include "tools/report/run_report.h"
 #include "tools/session/device_choice.h"
@@ -34,7 +35,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kReportSchema = 1;
 constexpr size_t kMostRunsInside = 3;  // whose images are in the page, of up to 5 MB each
 
 /// Null where the file is missing or damaged: a report contains what is there.
@@ -81,7 +81,8 @@ RenderedRun load_run(const RunPlaces& places, const RunReportRequest& request) {
     throw InputError("The scene of this run is gone, so that no view can be rendered.");
   const SceneLock in_use(path, SceneLock::Use::kRead);
   Scene scene = scaled_scene(
-      scene_for(model, path, {.held_out = std::numeric_limits<int64_t>::max()}), model.train_scale);
+      scene_for(model, places.run.root, path, {.held_out = std::numeric_limits<int64_t>::max()}),
+      model.train_scale);
   return {std::move(model), std::move(scene), request.backend()};
 }
 
@@ -140,24 +141,6 @@ void add_images(json& run, const std::vector<ShownView>& shown,
     view["result"] = address_of(image.result);
     view["error"] = address_of(image.error);
   }
-}
-
-std::string text_of(const json& data, int indent) {
-  return data.dump(indent, ' ', false, json::error_handler_t::replace);
-}
-
-/// The page with its data in it, so that it is one file.
-std::string page_of(const json& report) {
-  std::string data = text_of(report, -1);
-  for (size_t i = data.find('<'); i != std::string::npos; i = data.find('<', i))
-    data.replace(i, 1, "\\u003c");  // what it has is text, not the end of its element
-  std::string page(report_page());
-  fill_place(page, kPageTitle,
-             "<title>Tessera: " + html_text(report["title"].get<std::string>()) + "</title>");
-  std::string element(kReportData);
-  fill_place(element, "null", data);
-  fill_place(page, kReportData, element);
-  return page;
 }
 
 /// A run with its images.
@@ -260,11 +243,11 @@ json write_run_report(const RunReportRequest& request) {
   std::vector<std::pair<fs::path, std::string>> files;
   if (carries_pages()) {
     runs.size() <= kMostRunsInside ? place_images(inside) : place_images(beside);
-    files.emplace_back(folder / "index.html", page_of(report));
+    files.emplace_back(folder / "index.html", filled_report_page(report));
   }
   place_images(beside);
   write_images(folder / "images", runs);
-  files.emplace_back(folder / "report.json", text_of(report, 1) + "\n");
+  files.emplace_back(folder / "report.json", report_text(report));
   write_together(files);
   report["page"] = files.front().first.string();
   return report;

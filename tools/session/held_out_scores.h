@@ -21,7 +21,7 @@ nlohmann::json score_splits(Backend& backend, const GaussianModel& model, const 
                             const std::vector<Split>& splits, std::optional<int64_t> bytes,
                             const ScoredCallback& scored = {}, const EvaluateOptions& options = {});
 
-/// PSNR and SSIM alone, for scores during a training and in benchmarks.
+/// PSNR and SSIM alone, for scores during a training.
 inline EvaluateOptions brief_scores() {
   EvaluateOptions options;
   options.structure = StructureDetail::kSsim;

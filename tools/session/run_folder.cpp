@@ -15,6 +15,13 @@ std::string RunFolder::scene() const {
   return exists() ? read_config().value("scene", "") : "";
 }
 
+std::optional<Window> RunFolder::window() const {
+  if (!exists()) return std::nullopt;
+  const std::string text = read_config().value("window", "");
+  if (text.empty()) return std::nullopt;
+  return window_of_text(text, config().string() + ": window");
+}
+
 nlohmann::json RunFolder::read_config() const {
   nlohmann::json config_file = nlohmann::json::parse(read_text_file(config()), nullptr, false);
   if (!config_file.is_object())
@@ -79,8 +86,16 @@ std::filesystem::path run_folder_of(const std::filesystem::path& path) {
   return !RunFolder{path}.exists() && inside.exists() ? inside.root : path;
 }
 
+namespace {
+
+RunFolder run_of_model(const std::filesystem::path& model) {
+  return {is_directory(model) ? run_folder_of(model) : model.parent_path()};
+}
+
+}  // namespace
+
 std::string scene_of_model(const std::filesystem::path& model) {
-  const RunFolder run{is_directory(model) ? run_folder_of(model) : model.parent_path()};
+  const RunFolder run = run_of_model(model);
   const std::string scene = run.scene();
   if (scene.empty() || std::filesystem::exists(scene)) return scene;
   const std::filesystem::path root = std::filesystem::absolute(run.root / "").parent_path();
@@ -89,6 +104,16 @@ std::string scene_of_model(const std::filesystem::path& model) {
                         std::filesystem::path(scene).filename() == "scene" &&
                         std::filesystem::exists(beside / "transforms.json");
   return of_a_run ? beside.string() : "";
+}
+
+std::optional<Window> core_of_model(const std::filesystem::path& model,
+                                    const std::filesystem::path& scene) {
+  std::optional<Window> window = run_of_model(model).window();
+  std::error_code absent;
+  if (!window || !std::filesystem::equivalent(scene_of_model(model), scene, absent))
+    return std::nullopt;
+  window->overlap = 0;
+  return window;
 }
 
 }  // namespace tessera

@@ -3,6 +3,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "ingest/clocks/windows.h"
 
 namespace tessera {
 
@@ -25,6 +28,8 @@ struct RunFolder {
   nlohmann::json read_config() const;
   /// The scene that was trained on; "" where no training has written here.
   std::string scene() const;
+  /// The part of the scene that was trained on; nothing: all of it.
+  std::optional<Window> window() const;
   /// What `made_for` of the training's request was (train_session.h); "" where no training has
   /// written here, or its config.json is damaged.
   std::string made_for() const;
@@ -47,5 +52,9 @@ std::filesystem::path run_folder_of(const std::filesystem::path& path);
 /// in a run folder. Where the scene that config.json names is gone, e.g. because OUT was moved, the
 /// scene in OUT. "" where no run names one, or both are gone.
 std::string scene_of_model(const std::filesystem::path& model);
+
+/// The core of the window that such a model was trained on, where `scene` is its scene.
+std::optional<Window> core_of_model(const std::filesystem::path& model,
+                                    const std::filesystem::path& scene);
 
 }  // namespace tessera

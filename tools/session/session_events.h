@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "tools/session/time_limit.h"
 
@@ -59,16 +58,17 @@ class CheckpointPlan {
 /// The steps after which the model is scored on held-out views before the end.
 class EvaluationPlan {
  public:
-  /// `every`: steps between two; 0: only at the steps `at`.
-  EvaluationPlan(int64_t every, std::vector<int64_t> at) : every_(every), at_(std::move(at)) {}
+  /// `every`: steps between two; 0: none.
+  explicit EvaluationPlan(int64_t every) : every_(every) {}
 
-  bool due(int64_t step) const;
+  bool due(int64_t step) const { return every_ > 0 && step % every_ == 0; }
   /// The first step after `step`; the largest number where there is none.
-  int64_t next_after(int64_t step) const;
+  int64_t next_after(int64_t step) const {
+    return every_ > 0 ? (step / every_ + 1) * every_ : std::numeric_limits<int64_t>::max();
+  }
 
  private:
   int64_t every_;
-  std::vector<int64_t> at_;
 };
 
 enum class SessionEvent { kTrain, kCheck, kDecide, kSave, kScore, kEnd };

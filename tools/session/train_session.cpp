@@ -33,7 +33,7 @@ class Session {
         observer_(observer),
         limit_(request.time_limit, request.stopwatch),
         checkpoints_(request.checkpoint_every, request.stopwatch),
-        evaluations_(request.evaluate_every, request.evaluate_at),
+        evaluations_(request.evaluate_every),
         lock_(request.run, observer),
         scene_lock_(request.scene, SceneLock::Use::kRead),
         writer_(request.run, observer) {}
@@ -111,7 +111,7 @@ class Session {
       if (event == SessionEvent::kEnd) break;
       act(event);
     }
-    if (ended() && validation_->on() && request_.evaluate_end && !leaves())
+    if (ended() && validation_->on() && !leaves())
       score(model(), validation_->record().best_iteration, "shipped", true);
     wall_.time(WallSplit::kSave, [&] { write_results(); });
     if (left_ && !observer_.must_stop()) report_limit();
@@ -126,8 +126,7 @@ class Session {
     const auto is_new = [&] {
       return step > first_ || (step > 0 && !was_scored(writer_.folder().log(), step));
     };
-    state_.score_due = (evaluations_.due(step) && is_new()) ||
-                       (ended() && !validation_->on() && request_.evaluate_end);
+    state_.score_due = (evaluations_.due(step) && is_new()) || (ended() && !validation_->on());
   }
 
   void act(SessionEvent event) {

@@ -6,8 +6,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
-#include <vector>
 
+#include "ingest/clocks/windows.h"
 #include "ingest/scene.h"
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options.h"
@@ -21,13 +21,12 @@ struct TrainRequest {
   std::filesystem::path scene, run;
   TrainOptions options;
   std::optional<TrainOptions> with_nodes;  // PlannedOptions::with_nodes
+  std::optional<Window> window;            // of the scene; nothing: all of it
   std::string preset, ablation, backend = "auto";
   bool resume = false;
   bool overwrite = false;                   // an existing run folder may be replaced
   int64_t evaluate_every = 0;               // steps; 0: only at the end
-  std::vector<int64_t> evaluate_at;         // steps, besides
   std::string made_for;                     // what the caller knows the training by; in config.json
-  bool evaluate_end = true;                 // false: `scores` stay empty
   std::optional<int64_t> checkpoint_every;  // steps; without a value by the clock
   std::optional<int64_t> stop_after;        // steps of this call
   std::optional<int64_t> more_iterations;   // of a resumed training, in place of its own

@@ -99,9 +99,6 @@ std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunF
 
 bool can_resume(const TrainRequest& request, const RunFolder& run) {
   if (!run.exists() || !std::filesystem::exists(run.checkpoint())) return false;
-  const std::string made_for = run.made_for();
-  const bool by_hand = made_for.empty() || json::parse(made_for, nullptr, false).is_object();
-  if (!by_hand && made_for != request.made_for) return false;
   const json config = json::parse(read_text_file(run.config()), nullptr, false);
   return config.is_object() && config.value("asked_options", json()) == to_json(request.options);
 }
@@ -110,6 +107,7 @@ json make_config(const TrainRequest& request, const PlannedOptions& planned, con
                  const std::string& device) {
   const TrainOptions& options = planned.options;
   json config = {{"tessera", kVersionText},
+                 {"commit", kCommitText},
                  {"preset", request.preset},
                  {"ablation", request.ablation.empty() ? json(nullptr) : json(request.ablation)},
                  {"options", to_json(options)},
@@ -120,14 +118,17 @@ json make_config(const TrainRequest& request, const PlannedOptions& planned, con
                  {"device", device},
                  {"seed", options.seed},
                  {"made_for", request.made_for}};
+  if (request.window) config["window"] = text_of(*request.window);
   // of a training that was stopped before it knew its motion
   if (options.motion == Motion::kAuto && planned.with_nodes)
     config["with_nodes"] = to_json(*planned.with_nodes);
   return config;
 }
 
-Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options) {
+Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options,
+                          const std::optional<Window>& window) {
   SceneOptions scene_options;
+  scene_options.window = window;
   scene_options.background = parse_background(options.background);
   scene_options.allow_static = options.motion == Motion::kNone;
   return scaled_scene(load_scene(path, scene_options), options.train_scale);
@@ -145,12 +146,13 @@ std::vector<std::string> training_warnings(const Scene& scene, const TrainOption
 }
 
 std::optional<std::string> complete_cloud(
-    Scene& scene, const TrainOptions& options,
+    Scene& scene, const TrainOptions& options, const std::optional<Window>& window,
     const std::function<std::unique_ptr<PixelSearch>()>& device,
     std::vector<std::string>& warnings) {
   if (!options.sweep || !scene.points.position.empty()) return std::nullopt;
-  RigCloud cloud = is_as_filed(scene, options) ? rig_cloud(SceneFrames(scene), {}, device)
-                                               : rig_cloud(FolderFrames(scene.path), {}, device);
+  RigCloud cloud = is_as_filed(scene, options)
+                       ? rig_cloud(SceneFrames(scene), {}, device)
+                       : rig_cloud(FolderFrames(scene.path, window), {}, device);
   if (cloud.points.position.empty()) return std::nullopt;
   const std::string found = summary(cloud);
   if (const std::string warning = motion_warning(cloud); !warning.empty())

@@ -17,7 +17,8 @@ namespace tessera {
 
 /// The scene as a training with these options sees it: its background, one timestep allowed or not.
 /// Errors: as load_scene.
-Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options);
+Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options,
+                          const std::optional<Window>& window = {});
 
 /// What a user of these options on this scene may not expect, one line each; with what the scene
 /// itself warns of.
@@ -25,10 +26,10 @@ std::vector<std::string> training_warnings(const Scene& scene, const TrainOption
 
 /// Gives a scene without a cloud the one that `tessera ingest` makes by default, unless
 /// options.sweep is off: the rig_cloud() of its frames as they are in the files, with those for
-/// validation; files are read again where frames in memory differ in size or background. A line on
-/// what was found; none where nothing was. `device`: of rig_cloud().
+/// validation; files of `window` are read again where frames in memory differ in size or
+/// background. A line on what was found; none where nothing was. `device`: of rig_cloud().
 std::optional<std::string> complete_cloud(
-    Scene& scene, const TrainOptions& options,
+    Scene& scene, const TrainOptions& options, const std::optional<Window>& window,
     const std::function<std::unique_ptr<PixelSearch>()>& device,
     std::vector<std::string>& warnings);
 
@@ -52,8 +53,7 @@ bool resolve_motion(Backend& backend, const Scene& scene,
 /// Errors: InputError: nothing to resume; a run is there that may not be replaced.
 std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run);
 
-/// Whether `run` holds a checkpoint of the begun training of `request`: of these options, and made
-/// for the same caller, or by hand, which config.json then describes by an object.
+/// Whether `run` holds a checkpoint of the begun training of `request`: of these options.
 bool can_resume(const TrainRequest& request, const RunFolder& run);
 
 /// config.json: versions, options, scene, device.

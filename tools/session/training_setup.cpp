@@ -65,7 +65,8 @@ void complete_by_images(TrainingSetup& setup, const TrainRequest& request, doubl
   std::vector<std::string> warnings;
   const std::optional<std::string> cloud = wall.time(WallSplit::kCloud, [&] {
     return complete_cloud(
-        scene, setup.options, [&] { return setup.backend->pixel_search(); }, warnings);
+        scene, setup.options, request.window, [&] { return setup.backend->pixel_search(); },
+        warnings);
   });
   if (cloud) observer.on_message(*cloud);
   for (const std::string& warning : warnings) warn(warning);
@@ -78,8 +79,9 @@ void complete_by_images(TrainingSetup& setup, const TrainRequest& request, doubl
 
 /// The device starts while the scene is read. What is wrong with the scene is said first.
 void load_beside_device(TrainingSetup& setup, const TrainRequest& request, WallSplit& wall) {
-  auto scene = std::async(std::launch::async,
-                          [&] { return load_training_scene(request.scene, setup.options); });
+  auto scene = std::async(std::launch::async, [&] {
+    return load_training_scene(request.scene, setup.options, request.window);
+  });
   std::exception_ptr failed;
   wall.time(WallSplit::kDevice, [&] {
     try {

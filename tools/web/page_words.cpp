@@ -36,16 +36,6 @@ std::string html_text(std::string_view text) {
   return escaped;
 }
 
-std::string html_address(const std::filesystem::path& path) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.~/";
-  std::string address;
-  for (char c : path.generic_string())
-    address += kPlain.find(c) != std::string_view::npos ? std::string(1, c)
-                                                        : fmt::format("%{:02X}", uint8_t(c));
-  return address;
-}
-
 std::string base64(std::string_view bytes) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -1,6 +1,5 @@
-// Escapes text and addresses for HTML pages, and embeds images.
+// Escapes text for HTML pages, and embeds images.
 #pragma once
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -8,8 +7,6 @@ namespace tessera {
 
 /// Text between tags or within a quoted attribute.
 std::string html_text(std::string_view text);
-/// A relative path as an address: all but letters, digits and - _ . ~ / as %XX.
-std::string html_address(const std::filesystem::path& path);
 /// RFC 4648, with padding.
 std::string base64(std::string_view bytes);
 /// data:TYPE;base64,…

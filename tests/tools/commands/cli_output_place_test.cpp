@@ -72,16 +72,10 @@ TEST_F(CliOutputPlace, WhatIsNoCaptureLeavesNothing) {
   }
 }
 
-TEST_F(CliOutputPlace, TrainingsBenchmarksAndBatchesNeither) {
+TEST_F(CliOutputPlace, TrainingsNeither) {
   refused(train("capture"), {"never written to"});
   refused(train("capture/run"), {"lies in", "outside"});
   refused(train("."), {"contains the input"});
-  const Words bench{"bench", work.at("capture"), "--chart", "--budgets", "5", "--backend", "cpu"};
-  for (const char* out : {"capture", "capture/bench", "."}) {
-    Words words = bench;
-    words.insert(words.end(), {"-o", work.at(out)});
-    refused(words, {"input"});
-  }
 }
 
 // Bug put back: a run folder's scene is not looked up; seen to fail.

@@ -212,20 +212,21 @@ TEST(CliUsage, ConfigFiles) {
   EXPECT_FALSE(fs::exists(work / "run"));
 }
 
-// Bug put back: one advice for all; seen to fail.
-TEST(CliUsage, EachOptionOfBenchNamesItsModes) {
+// Bugs put back, each seen to fail: the first unknown word alone is looked up; no advice.
+TEST(CliUsage, RemovedModesOfBenchNameTheBatch) {
   const CliWorkspace work;
-  const auto refused = [&](const char* option, const char* value, const std::string& modes) {
-    work.expect_refused(
-        {"bench", work.at("capture"), option, value},
-        {fmt::format("bench: {} has no meaning here; it goes with {}\n", option, modes)});
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& batch) {
+    std::vector<std::string> arguments{"bench", work.at("capture")};
+    arguments.insert(arguments.end(), words.begin(), words.end());
+    work.expect_refused(arguments, {"bench", " by `tessera batch SCENES " + batch + " -o DIR`"});
   };
-  refused("--budgets", "100", "--chart");
-  refused("--published", "x", "--chart");
-  refused("--at", "100", "--curve");
-  refused("--shares", "2", "--sizes");
-  refused("--presets", "fast", "--chart, --curve or --sizes");
-  refused("--seeds", "1", "--chart, --curve, --table or --sizes");
+  refused({"--chart"}, "--preset fast,balanced --steps 1000,3000");
+  refused({"--presets", "fast", "--seeds", "1", "--chart", "-o", work.at("out")},
+          "--preset fast,balanced --steps 1000,3000");
+  refused({"--curve", "--at", "100"}, "--preset fast,balanced --steps 1000,3000");
+  refused({work.at("capture"), "--sizes"}, "--preset balanced --budgets 50000,200000");
+  refused({"--table=mcmc"}, "--table NAME");
+  work.expect_refused({"bench", "--table", "mcmc"}, {"tessera batch SCENES --table NAME"});
 }
 
 }  // namespace

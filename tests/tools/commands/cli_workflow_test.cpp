@@ -26,11 +26,17 @@ class CliWorkflow : public ::testing::Test {
   ~CliWorkflow() override { ::setenv("PATH", path_.c_str(), 1); }
 
   /// A script called snakemake that writes its words to ARGUMENTS, then does `what`.
-  void engine(const std::string& what) const {
-    work.write("bin/snakemake", "#!/bin/sh\nfor word; do echo \"$word\"; done > " +
-                                    work.at("arguments") + "\ncp " + work.at("out") + "/*.yaml " +
-                                    work.at("kept.yaml") + "\n" + what + "\n");
-    fs::permissions(work / "bin/snakemake", fs::perms::owner_all);
+  void engine(const std::string& what, const std::string& name = "snakemake") const {
+    work.write("bin/" + name, "#!/bin/sh\nPATH=" + path_ +
+                                  "\nfor word; do echo \"$word\"; done > " + work.at("arguments") +
+                                  "\ncp " + work.at("out") + "/*.yaml " + work.at("kept.yaml") +
+                                  "\n" + what + "\n");
+    fs::permissions(work / "bin" / name, fs::perms::owner_all);
+  }
+  /// No program is there but those of bin/.
+  void without_snakemake() const {
+    fs::remove(work / "bin/snakemake");
+    ::setenv("PATH", work.at("bin").c_str(), 1);
   }
   std::vector<std::string> engine_words() const {
     std::vector<std::string> words;
@@ -186,6 +192,24 @@ TEST_F(CliWorkflow, TheLastLineReportsTheOutcome) {
   EXPECT_NE(other.out.find("exit code 3"), std::string::npos) << other.out;
 }
 
+// Bug put back: one_by_one.py is called with Snakemake's words; seen to fail.
+TEST_F(CliWorkflow, WithoutSnakemakeTheJobsRunOneAfterTheOther) {
+  without_snakemake();
+  engine(done("fast", 1), "python3");
+  const ChildResult result = work.run(arguments({"--preset", "fast", "--jobs", "1"}));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const std::vector<std::string> words{work.at("out/workflow/one_by_one.py"), "--directory",
+                                       work.at("out")};
+  EXPECT_EQ(engine_words(), words);
+  EXPECT_TRUE(fs::exists(words[0]));
+  EXPECT_NE(result.err.find("snakemake is not installed: the jobs run one after the other"),
+            std::string::npos)
+      << result.err;
+  EXPECT_NE(result.out.find("1 of 1 runs done"), std::string::npos) << result.out;
+  work.run(arguments({"--preset", "best", "--dry-run"}));
+  EXPECT_TRUE(has_words(engine_words(), {"--dry-run", "--file", "batch.dry-run.yaml"}));
+}
+
 // Bug put back: every end of the engine but 0 is a failure of scenes; seen to fail.
 TEST_F(CliWorkflow, WhatTheWorkflowRefusesIsBadInput) {
   engine("echo \"tessera: presets: unknown preset 'fats'\" >&2; exit 2");
@@ -212,7 +236,7 @@ TEST_F(CliWorkflow, AnInterruptReachesTheJobs) {
 
 // Bugs put back, one each: the name of a preset is not looked up; an empty glob is an empty batch;
 // names are not compared; the folder's error passes as a failure of the batch; the engine's absence
-// is exit code 127; each seen to fail.
+// is exit code 127; --jobs and --profile are passed over without Snakemake; each seen to fail.
 TEST_F(CliWorkflow, ABadConfigurationIsOneLine) {
   refused(arguments({"--preset", "fats"}), {"'fats'", "fast"});
   refused(arguments({"--iterations", "many"}), {"iterations", "many"});
@@ -240,10 +264,12 @@ TEST_F(CliWorkflow, ABadConfigurationIsOneLine) {
           {"two captures are named 'a_b'", "rename"});
   work.write("file", "");
   refused({"batch", work.at("capture"), "-o", work.at("file/out")}, {"file/out"});
-  fs::remove(work / "bin/snakemake");
-  ::setenv("PATH", work.at("bin").c_str(), 1);
+  without_snakemake();
   fs::remove_all(work / "out");
-  refused(arguments(), {"snakemake is not installed", "apt-get install snakemake"});
+  refused(arguments(), {"python3 is not installed", "apt-get install python3"});
+  engine("exit 0", "python3");
+  refused(arguments({"--profile", "slurm"}), {"--profile slurm", "apt-get install snakemake"});
+  refused(arguments({"--jobs", "2"}), {"--jobs 2", "apt-get install snakemake"});
   EXPECT_FALSE(fs::exists(work / "out")) << "nothing is written that cannot be run";
 }
 

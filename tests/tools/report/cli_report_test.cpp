@@ -1,6 +1,5 @@
-// `tessera report` on trained runs: charts, held-out views beside the truth, rendered once; files
-// beside the page; the report of one run. The text of a batch's page is tested in
-// batch_report_test.cpp, the page of a run in tests/browser/.
+// `tessera report` on trained runs: held-out views beside the truth, rendered once; files beside
+// the page; the report of one run, of several, of a batch. The pages are tested in tests/browser/.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -22,10 +21,10 @@ size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-// Bugs put back: the key of the kept views without the model's bytes; the views of every seed
-// shown, not of one a preset; views of the training split; no chart is written;
-// seen to fail.
-TEST(CliReport, ShowsRunsAndKeepsTheirViews) {
+// Bugs put back: views of every seed, not of one a preset; views that were rendered are rendered
+// again; a report that is older than the model is taken; addresses from the run's own report;
+// images in the page of a batch without end; each seen to fail.
+TEST(CliReport, ShowsTheRunsOfABatchAndKeepsTheirViews) {
   const CliWorkspace work;
   for (const char* seed : {"1", "2"}) {
     const std::string run = std::string("out/runs/capture/fast/seed-") + seed;
@@ -35,27 +34,35 @@ TEST(CliReport, ShowsRunsAndKeepsTheirViews) {
     work.write(run + "/metrics.json", metrics.dump());
   }
   const json report = work.run_json({"report", work.at("out")});
-  EXPECT_EQ(report["counts"]["done"], 2);
-  EXPECT_GT(report["scenes"][0]["points"][0]["metrics"]["psnr"]["median"], 5);
-  EXPECT_GT(report["scenes"][0]["points"][0]["metrics"]["seconds"]["median"], 0);
+  EXPECT_EQ(report["kind"], "batch");
+  EXPECT_EQ(report["batch"]["counts"]["done"], 2);
+  const json point = report["batch"]["scenes"][0]["points"][0];
+  EXPECT_GT(point["metrics"]["psnr"]["median"], 5);
+  EXPECT_GT(point["metrics"]["seconds"]["median"], 0);
   EXPECT_EQ(json::parse(work.read("out/report/report.json")), report);
   EXPECT_EQ(work.read("out/report/report.csv").find("scene,split,label"), 0u);
-  const std::string page = work.read("out/report/index.html");
-  EXPECT_EQ(count(page, "data:image/png;base64,"), 2u) << "one held-out view and its truth";
-  EXPECT_EQ(count(page, "truth: test/"), 2u) << "alt and caption";
-  EXPECT_EQ(count(page, "<svg"), 1u) << "the chart of the scene";
-  EXPECT_NE(work.read("out/report/chart_capture.svg").find(">capture (test): "), std::string::npos);
+  EXPECT_FALSE(report["runs"][0]["curves"]["loss"]["step"].empty());
+  EXPECT_EQ(report["runs"][1]["views"].size(), 0u) << "one seed of a preset has images";
+  ASSERT_EQ(report["runs"][0]["views"].size(), 1u);
+  const std::string image = report["runs"][0]["views"][0]["truth"];
+  EXPECT_TRUE(fs::exists(work / ("out/report/" + image))) << image;
+  const std::string report_file = "out/runs/capture/fast/seed-1/report/report.json";
+  if (carries_pages()) {
+    EXPECT_EQ(report["runs"][0]["files"][0]["path"],
+              "../runs/capture/fast/seed-1/report/index.html");
+    EXPECT_EQ(count(work.read("out/report/index.html"), "data:image/jpeg;base64,"), 3u);
+  }
 
-  const fs::path kept = work / "out/runs/capture/fast/seed-1/held_out/0_drawn.png";
-  const auto drawn = fs::last_write_time(kept);
+  const auto drawn = fs::last_write_time(work / report_file);
   EXPECT_EQ(work.run({"report", work.at("out")}).exit_code, 0);
-  EXPECT_EQ(fs::last_write_time(kept), drawn);
-  EXPECT_EQ(work.read("out/report/index.html"), page);
+  EXPECT_EQ(fs::last_write_time(work / report_file), drawn);
   EXPECT_EQ(work.train("out/runs/capture/fast/seed-1", {"--overwrite", "--seed", "9"}).exit_code,
             0);
   work.write("out/runs/capture/fast/seed-1/metrics.json", "{\"psnr\": 10}");
   EXPECT_EQ(work.run({"report", work.at("out")}).exit_code, 0);
-  EXPECT_GT(fs::last_write_time(kept), drawn) << "another model";
+  EXPECT_GT(fs::last_write_time(work / report_file), drawn) << "another model";
+  const json without = work.run_json({"report", work.at("out"), "--no-images"});
+  EXPECT_EQ(without["runs"][0]["views"].size(), 0u);
 }
 
 // Bugs put back: the folder of the report in the current folder in place of the run's; addresses

@@ -29,8 +29,8 @@ finished() {
     ! -name config.json ! -name transforms.json -printf '%p %T@\n' 2>/dev/null | sort || true
 }
 batch "$work/killed" "$options" "$captures"
-setsid snakemake -s "$batch_folder/Snakefile" --profile "$batch_folder/profiles/local" \
-  --directory "$work/killed" --cores 2 >"$work/killed.log" 2>&1 &
+engine_of "$work/killed"
+setsid "${engine[@]}" >"$work/killed.log" 2>&1 &
 session=$!
 check "half way" wait_for 600 half_way
 pkill -KILL -s "$session" || true
@@ -79,4 +79,10 @@ check "runs" run_batch "$out"
 check "and its models change, the others do not" same \
   "$(models "$work/whole" | grep room_2 | sort)" \
   "$(comm -12 <(models "$work/whole" | sort) <(models "$out" | sort))"
+check "nothing is to do" same "" "$(planned "$out")"
+batch "$out" "$options" "scenes: [{path: ../captures/room_1, split: train}, ../captures/room_2]"
+check "another split: its scores alone" same \
+  "$(lines "evaluate room_1 plain 1" "evaluate room_1 quick 1" report)" "$(planned "$out")"
+check "runs" run_batch "$out"
+check "they are of the split" grep -q '"train"' "$out/runs/room_1/quick/seed-1/metrics.json"
 check "nothing is to do" same "" "$(planned "$out")"

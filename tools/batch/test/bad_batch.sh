@@ -6,7 +6,7 @@ mkdir -p "$work/captures/a" "$work/more/a"
 says() { # TEXT LINES...
   local text=$1 seen
   write_batch "$work/out" "${@:2}"
-  check "exit code 2" same 2 "$(exit_code flow "$work/out" --cores 1 -n 2>"$work/said")"
+  check "exit code 2" same 2 "$(exit_code flow "$work/out" --dry-run 2>"$work/said")"
   seen=$(cat "$work/said")
   check "one line" same 1 "$(wc -l <"$work/said")"
   check "$text" grep -qF -- "$text" <<<"$seen"

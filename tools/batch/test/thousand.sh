@@ -10,7 +10,7 @@ done
 write_batch "$work/out" "captures: [../captures/*/]" "presets: [fast, balanced, best]"
 jobs=$((scenes * (2 + 3 * 4) + 1))
 TIMEFORMAT="%R %U %S"
-spent=$({ time flow "$work/out" --cores 2 -n -q >"$work/plan.txt" 2>&1; } 2>&1)
+spent=$({ time flow "$work/out" -n -q >"$work/plan.txt" 2>&1; } 2>&1)
 check "$jobs jobs are planned" grep -q "^total *$jobs " "$work/plan.txt"
 read -r wall user system <<<"$spent"
 each=$(python3 -c "print(round(1000 * ($user + $system) / $jobs, 2))")

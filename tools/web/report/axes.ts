@@ -26,3 +26,15 @@ export function logarithmicRange(low: number | null, high: number | null): [numb
   const ticks = logarithmicTicks(low, high);
   return [ticks[0], ticks[ticks.length - 1]];
 }
+
+/** Four to nine round ticks, the first not above `low` and the last not below `high`. */
+export function linearTicks(low: number, high: number): number[] {
+  const span = high > low ? high - low : Math.abs(low) * 0.1 || 1;
+  const raw = span / 4;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((digit) => digit * power).find((size) => size >= raw)!;
+  const first = Math.floor(low / step + 1e-9);
+  const last = Math.max(first + 1, Math.ceil(high / step - 1e-9));
+  return Array.from({ length: last - first + 1 }, (_, i) =>
+    Number(((first + i) * step).toPrecision(12)));
+}

@@ -6,7 +6,7 @@ import { button, choice, make, section } from "./elements";
 import { decibels, fixed, shortNumber } from "./words";
 
 /** Of Okabe and Ito, without those that a light or a dark ground hides; then grey and olive. */
-const COLOURS = [
+export const COLOURS = [
   "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8A8F99", "#999933",
 ];
 
@@ -23,9 +23,17 @@ const CURVES: [CurveName, string][][] = [
   [["memory", "peak of the device"]],
 ];
 
-/** Several runs: a colour each, and the second curve of a chart dashed. */
-function linesOf(runs: Run[], curves: [CurveName, string][]): Line[] {
-  return runs.flatMap((run, r) =>
+/** By what runs share a colour and a name in the legend. */
+export type GroupOf = (run: Run) => string;
+
+function groupsOf(runs: Run[], groupOf: GroupOf): string[] {
+  return [...new Set(runs.map(groupOf))];
+}
+
+/** Several runs: a colour for each group, and the second curve of a chart dashed. */
+function linesOf(runs: Run[], curves: [CurveName, string][], groupOf: GroupOf): Line[] {
+  const groups = groupsOf(runs, groupOf);
+  return runs.flatMap((run) =>
     curves.flatMap(([name, words], c) => {
       const raw = run.curves[name];
       if (raw === undefined || raw.step.length === 0) return [];
@@ -34,7 +42,7 @@ function linesOf(runs: Run[], curves: [CurveName, string][]): Line[] {
       const several = runs.length > 1;
       return {
         label: !several ? words : curves.length > 1 ? `${run.title}, ${words}` : run.title,
-        colour: COLOURS[(several ? r : c) % COLOURS.length],
+        colour: COLOURS[(several ? groups.indexOf(groupOf(run)) : c) % COLOURS.length],
         dashed: several && c > 0,
         named: !several,
         curve,
@@ -50,8 +58,8 @@ function followColours(charts: Chart[]): void {
   });
 }
 
-function contentsOf(runs: Run[]): ChartContent[] {
-  return TITLES.map((title, i) => ({ ...title, lines: linesOf(runs, CURVES[i]) }))
+function contentsOf(runs: Run[], groupOf: GroupOf): ChartContent[] {
+  return TITLES.map((title, i) => ({ ...title, lines: linesOf(runs, CURVES[i], groupOf) }))
     .filter(({ lines }) => lines.length > 0);
 }
 
@@ -62,9 +70,9 @@ export interface Charts {
   show(runs: Run[]): boolean;
 }
 
-export function makeCharts(runs: Run[]): Charts | null {
+export function makeCharts(runs: Run[], groupOf: GroupOf = (run) => run.id): Charts | null {
   const zoom = (low: number, high: number) => charts.forEach((chart) => chart.setRange(low, high));
-  const charts = contentsOf(runs).map((content) => new Chart(content, zoom));
+  const charts = contentsOf(runs, groupOf).map((content) => new Chart(content, zoom));
   if (charts.length === 0) return null;
   const linesNow = () => charts.flatMap((chart) => chart.content.lines);
   let x: XName = "step";
@@ -74,7 +82,7 @@ export function makeCharts(runs: Run[]): Charts | null {
     for (const chart of charts) chart.setX(x, ends);
   };
   const show = (now: Run[]) => {
-    const contents = contentsOf(now);
+    const contents = contentsOf(now, groupOf);
     const same = ({ content: { name, lines } }: Chart, i: number) =>
       name === contents[i].name && lines.length === contents[i].lines.length;
     if (contents.length !== charts.length || !charts.every(same)) return false;
@@ -99,17 +107,19 @@ export function makeCharts(runs: Run[]): Charts | null {
       button("Whole range", () => charts.forEach((chart) => chart.reset())),
       make("span", { class: "soft" }, "Drag or pinch to zoom; a double click shows all."),
     ),
-    runs.length > 1 ? runLegend(runs) : null,
+    runs.length > 1 ? runLegend(runs, groupOf) : null,
     make("div", { class: "charts" }, ...charts.map((chart) => chart.element)),
   );
   return { element, show };
 }
 
-function runLegend(runs: Run[]): HTMLElement {
-  const entries = runs.map((run, r) => {
+function runLegend(runs: Run[], groupOf: GroupOf): HTMLElement {
+  const groups = groupsOf(runs, groupOf);
+  const entries = groups.map((group, g) => {
     const key = make("i", { class: "key" });
-    key.style.setProperty("--key", COLOURS[r % COLOURS.length]);
-    return make("span", {}, key, run.title);
+    key.style.setProperty("--key", COLOURS[g % COLOURS.length]);
+    const members = runs.filter((run) => groupOf(run) === group);
+    return make("span", {}, key, members.length > 1 ? group : members[0].title);
   });
   const dashed = make("span", { class: "soft" }, "dashed: validation views, dynamic Gaussians");
   const group = { class: "legend all", role: "group", "aria-label": "runs" };

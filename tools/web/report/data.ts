@@ -1,11 +1,12 @@
 // The data that the program writes into the page, and its check. Values that are unknown are null.
 export interface Report {
   schema: 1;
-  kind: "run" | "comparison";
+  kind: "run" | "comparison" | "batch";
   title: string;
   version: string;
   made: string; // ISO, UTC
   runs: Run[];
+  batch?: Batch; // of a batch
 }
 
 export interface Run {
@@ -19,7 +20,10 @@ export interface Run {
   host: string;
   cpu: string;
   device: string;
-  state: "done" | "unfinished";
+  state: "done" | "unfinished" | "missing" | "failed"; // the last two of a batch
+  scene?: string; // of a batch
+  variant?: string; // a preset with its options, of a batch
+  error?: string | null;
   split: "test" | "val" | "train" | "";
   steps: number;
   options: Record<string, unknown>; // of the training, all
@@ -47,6 +51,7 @@ interface Sizes {
   static: number;
   dynamic: number;
   model_bytes: number | null;
+  shipped_bytes?: number | null; // of the Tessera 4D file
   player_bytes: number | null;
   peak_bytes: number | null;
 }
@@ -100,6 +105,55 @@ export interface Camera {
   notes: string[]; // what is odd about it
 }
 
+/** What the runs of a batch have in common. */
+export interface Batch {
+  folder: string;
+  summary: string;
+  counts: Record<"runs" | "done" | "failed" | "missing" | "scenes" | "whole_scenes", number>;
+  versions: string[];
+  devices: string[];
+  variants: Variant[];
+  captures: { name?: string; path?: string; ingest?: string[] }[];
+  scenes: SceneScores[];
+  earlier: Run[]; // finished, but not of this request
+  failures: { line: string; log: string }[];
+  notes: string[];
+}
+
+export interface Variant {
+  name?: string;
+  label?: string; // of a row of a table
+  preset?: string;
+  options?: Record<string, unknown>;
+  published?: { source: string; scene: string; figures: Partial<Record<Metric, number>> }[];
+}
+
+export interface SceneScores {
+  scene: string;
+  split: Run["split"];
+  points: Point[];
+}
+
+/** The seeds of one scene and variant. */
+export interface Point {
+  label: string; // the variant's name
+  iterations: number;
+  n: number; // that have scores
+  devices: string[];
+  metrics: Partial<Record<Metric, Spread>>;
+}
+
+export type Metric =
+  | "psnr" | "psnr_dynamic" | "ssim" | "lpips" | "seconds" | "command_seconds"
+  | "num_gaussians" | "bytes" | "shipped_bytes" | "peak_device_bytes";
+
+export interface Spread {
+  median: number;
+  least: number;
+  most: number;
+  count: number;
+}
+
 /** The report that the text holds, "live" where the training is to be followed, or one line that says
  * why there is none. */
 export function readReport(text: string): Report | "live" | string {
@@ -117,6 +171,8 @@ export function readReport(text: string): Report | "live" | string {
       "make the page with a newer Tessera."
     );
   if (data.schema !== 1) return "The data of this report has no schema that this page reads.";
-  if (!Array.isArray(data.runs) || data.runs.length === 0) return "This report has no runs.";
+  const { kind } = data as Report;
+  if (!Array.isArray(data.runs) || (data.runs.length === 0 && kind !== "batch"))
+    return "This report has no runs.";
   return data as Report;
 }

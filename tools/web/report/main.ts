@@ -1,7 +1,8 @@
-// The report of a run, of several, or of a running training: reads what the program has written into
-// the page.
+// The report of a run, of several, of a batch, or of a running training: reads what the program has
+// written into the page.
 import "uplot/dist/uPlot.min.css";
 import "./report.css";
+import { batchPage } from "./batch";
 import { comparisonPage } from "./comparison";
 import { readReport } from "./data";
 import { make } from "./elements";
@@ -17,9 +18,11 @@ if (report === "live") {
   main.append(make("p", { class: "card", role: "alert" }, report));
 } else {
   document.title = `Tessera: ${report.title}`;
-  const several = report.kind === "comparison" || report.runs.length > 1;
+  const [first] = report.runs;
+  const alone = report.kind === "run" && report.runs.length === 1;
   main.append(
-    ...(several ? comparisonPage(report) : runPage(report.runs[0], report.title)),
+    ...(report.batch !== undefined ? batchPage(report, report.batch)
+      : alone ? runPage(first, report.title) : comparisonPage(report)),
     make("footer", {}, `Made by Tessera ${report.version}, ${dateWords(report.made)}.`),
   );
 }
