@@ -65,7 +65,11 @@ std::array<DensityReport, 2> prune_unseen(Backend& backend, const Buffer<float>&
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state.set(k);
     DensityReport& report = reports[size_t(k)];
-    report.before = set.count();
+    report.before = report.after = set.count();
+    if (!state.trains(k)) {
+      first += report.before;
+      continue;
+    }
     std::vector<int64_t> seen;
     for (int64_t n = 0; n < report.before; ++n)
       if (weights[first + n] < 0 || double(weights[first + n]) >= least) seen.push_back(n);

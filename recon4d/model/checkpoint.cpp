@@ -104,6 +104,7 @@ void restore_progress(const json& header, TrainState& state) {
   state.seconds = header.at("seconds");
   state.decided = header.at("decided");
   state.goal = header.at("goal");
+  state.static_is_frozen = header.value("static_is_frozen", false);
   state.sampler_epoch = header.at("sampler").at("epoch");
   state.sampler_position = header.at("sampler").at("position");
 }
@@ -201,6 +202,7 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
                               {"knots", nodes.knots},
                               {"started", nodes.started},
                               {"refitted", nodes.refitted}};
+  if (state.static_is_frozen) header["static_is_frozen"] = true;
   if (state.has_blocks())
     header["sh_blocks"] = {{"static", model.static_set.blocks().elements},
                            {"dynamic", model.dynamic_set.blocks().elements}};

@@ -22,7 +22,11 @@ struct TrainState {
   int64_t decided = 0;    // steps done at the last decision of ModelReduction
   int64_t goal = 0;       // Gaussians that its thinning is to leave; 0: not known yet
   bool finished = false;  // the last clean-up is done
+  /// The static set stays to the bit as it is: it is drawn, and nothing else.
+  bool static_is_frozen = false;
 
+  /// Whether set k changes.
+  bool trains(int k) const { return k == 1 || !static_is_frozen; }
   GaussianSet& set(int k) { return k == 0 ? model.static_set : model.dynamic_set; }
   const GaussianSet& set(int k) const { return k == 0 ? model.static_set : model.dynamic_set; }
   TrainState clone_to(Memory& memory) const;

@@ -55,10 +55,11 @@ MotionDecision decide_motion(Backend& backend, const GaussianModel& model,
 }
 
 /// `contributions`: of `model`, the stored one, whose elements may differ in their SH degree.
+/// `first`: the first set whose degrees are chosen.
 StateEdit decide_colour(const GaussianModel& model, const Contributions& contributions,
-                        double error_per_byte) {
+                        double error_per_byte, int first) {
   StateEdit edit;
-  for (int k = 0; k < 2; ++k)
+  for (int k = first; k < 2; ++k)
     edit.degrees[k] =
         choose_degrees(sh_degrees(k == 0 ? model.static_set : model.dynamic_set),
                        contributions.sets[k], k == 1, model.drawing.sh_degree, error_per_byte);
@@ -127,11 +128,13 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   report.dynamic_before = state.model.dynamic_set.count();
   std::optional<Contributions> contributions;  // of the model as it is
   if (due.motion && has_timesteps(sample)) {
-    contributions = measure(knee_prices(trainer.drawn_model()));
-    report_pass(*contributions, sample, report);
-    MotionDecision decision =
-        decide_motion(backend_, trainer.drawn_model(), *contributions, sample, due);
-    report_motion(decision, report);
+    MotionDecision decision;
+    if (state.trains(0)) {
+      contributions = measure(knee_prices(trainer.drawn_model()));
+      report_pass(*contributions, sample, report);
+      decision = decide_motion(backend_, trainer.drawn_model(), *contributions, sample, due);
+      report_motion(decision, report);
+    }
     if (due.spawn_missed) {
       GaussianSet spawned =
           spawn_missed(backend_, trainer.drawn_model(), sample, uint64_t(options_.seed));
@@ -146,8 +149,10 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   if (due.prune) {
     if (!contributions) contributions = measure(knee_prices(trainer.drawn_model()));
     report_pass(*contributions, sample, report);
-    std::vector<Removal> order = removal_order(state.model, *contributions);
+    std::vector<Removal> order = removal_order(state.model, *contributions, !state.trains(0));
     SizeRequest request = size_request(validation, state.goal, due.rounds_left);
+    if (!state.trains(0) && request.gaussians > 0)
+      request.gaussians = std::max<int64_t>(1, request.gaussians - state.model.static_set.count());
     if (request.bytes > 0 && request.known_goal == 0 && !order.empty())
       request.file_bytes = bytes_(trainer.host_model());
     const PruningChoice choice = choose_pruning(order, *contributions, request);
@@ -159,11 +164,12 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
       contributions = measure([&](const Contributions&) {
         return element_prices(trainer.drawn_model(), choice.error_per_byte);
       });
-      order = removal_order(state.model, *contributions);
+      order = removal_order(state.model, *contributions, !state.trains(0));
     }
     if (!order.empty()) report.psnr_after = contributions->psnr_after(0);
     if (!order.empty() && options_.decide_colour && due.rounds_left == 1) {
-      const StateEdit edit = decide_colour(state.model, *contributions, choice.error_per_byte);
+      const StateEdit edit = decide_colour(state.model, *contributions, choice.error_per_byte,
+                                           state.trains(0) ? 0 : 1);
       report_colour(edit, report);
       trainer.apply(edit);
     }

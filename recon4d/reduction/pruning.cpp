@@ -17,7 +17,7 @@ double ByteRates::bytes_of(bool dynamic, int sh_degree) const {
 }
 
 std::vector<Removal> removal_order(const GaussianModel& model, const Contributions& contributions,
-                                   const ByteRates& rates) {
+                                   bool static_is_frozen, const ByteRates& rates) {
   struct Ranked {
     double error_per_byte;
     bool is_lit;
@@ -30,18 +30,19 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Contributio
   };
   std::vector<Ranked> ranked;
   ranked.reserve(size_t(model.count()));
+  const int64_t statics = model.static_set.count();
   double bytes[2];
   for (int k = 0; k < 2; ++k) {
     const SetContributions& set = contributions.sets[k];
     bytes[k] = rates.bytes_of(k == 1, model.drawing.sh_degree);
+    if (k == 0 && static_is_frozen) continue;
     for (size_t n = 0; n < set.weight.size(); ++n)
       ranked.push_back(
-          {double(set.removal2[n]) / bytes[k], set.weight[n] > 0, int64_t(ranked.size())});
+          {double(set.removal2[n]) / bytes[k], set.weight[n] > 0, k * statics + int64_t(n)});
   }
   parallel_sort(ranked);
   std::vector<Removal> order;
   order.reserve(ranked.size());
-  const int64_t statics = model.static_set.count();
   for (const Ranked& r : ranked) {
     const int k = r.place < statics ? 0 : 1;
     const int64_t element = r.place - k * statics;
@@ -101,20 +102,25 @@ std::vector<double> element_prices(const GaussianModel& model, double error_per_
 
 ElementPrices knee_prices(const GaussianModel& model, const ByteRates& rates) {
   return [&model, rates](const Contributions& known) {
-    const std::vector<Removal> order = removal_order(model, known, rates);
+    const std::vector<Removal> order = removal_order(model, known, false, rates);
     return element_prices(model, error_per_byte_at(order, knee_count(order, known)), rates);
   };
 }
 
 KeptElements kept_elements(const GaussianModel& model, const std::vector<Removal>& order,
                            int64_t count) {
-  check(int64_t(order.size()) == model.count(), "kept_elements: an order of another model");
+  const auto removable = int64_t(order.size());
+  check(removable == model.count() || removable == model.dynamic_set.count(),
+        "kept_elements: an order of another model");
+  const auto gone = size_t(std::clamp<int64_t>(model.count() - count, 0, removable));
+  std::vector<uint8_t> goes[2];
+  goes[0].resize(size_t(model.static_set.count()));
+  goes[1].resize(size_t(model.dynamic_set.count()));
+  for (size_t i = 0; i < gone; ++i) goes[order[i].set][size_t(order[i].element)] = 1;
   KeptElements elements;
-  const size_t gone = order.size() - size_t(std::clamp<int64_t>(count, 0, model.count()));
-  for (size_t i = gone; i < order.size(); ++i)
-    elements.set_elements[order[i].set].push_back(order[i].element);
-  for (std::vector<int64_t>& set_elements : elements.set_elements)
-    std::sort(set_elements.begin(), set_elements.end());
+  for (int k = 0; k < 2; ++k)
+    for (size_t n = 0; n < goes[k].size(); ++n)
+      if (goes[k][n] == 0) elements.set_elements[k].push_back(int64_t(n));
   return elements;
 }
 

@@ -34,10 +34,10 @@ struct Removal {
   double error_per_byte() const { return error / bytes; }
 };
 
-/// All Gaussians of a model, the cheapest first; of equals those without light, then in the order
-/// of their elements.
+/// All Gaussians of a model that may go, the cheapest first; of equals those without light, then in
+/// the order of their elements. `static_is_frozen`: those of the dynamic set alone.
 std::vector<Removal> removal_order(const GaussianModel& model, const Contributions& contributions,
-                                   const ByteRates& rates = {});
+                                   bool static_is_frozen = false, const ByteRates& rates = {});
 
 /// Gaussians that are left where the curve of ln(bytes) and dB, as removals in this order add to
 /// it, is farthest above the line from its end of `least_share` of the bytes to its beginning, each
@@ -57,7 +57,7 @@ std::vector<double> element_prices(const GaussianModel& model, double error_per_
 ElementPrices knee_prices(const GaussianModel& model, const ByteRates& rates = {});
 
 /// Elements of each set that are left when only `count` are, ascending: exactly so many, or all
-/// where there are fewer.
+/// where there are fewer; those that are not in the order always.
 struct KeptElements {
   std::vector<int64_t> set_elements[2];
 };

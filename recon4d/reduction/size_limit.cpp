@@ -26,11 +26,14 @@ int64_t largest_good(int64_t low, int64_t high, int64_t step,
 
 GaussianModel fit_to_limit(const SizeLimit& limit, Backend& backend, const GaussianModel& model,
                            const FrameSample& sample) {
+  const int first = limit.static_is_frozen ? 1 : 0;
   const Contributions contributions = measure_contributions(backend, model, sample);
-  const std::vector<Removal> order = removal_order(model, contributions);
+  const std::vector<Removal> order = removal_order(model, contributions, limit.static_is_frozen);
   int64_t unseen = 0;
-  for (const SetContributions& set : contributions.sets)
-    unseen += std::count_if(set.weight.begin(), set.weight.end(), [](float w) { return !(w > 0); });
+  for (int k = first; k < 2; ++k) {
+    const std::vector<float>& weight = contributions.sets[k].weight;
+    unseen += std::count_if(weight.begin(), weight.end(), [](float w) { return !(w > 0); });
+  }
   const auto left = [&](int64_t count) {
     return with_elements(model, kept_elements(model, order, count));
   };

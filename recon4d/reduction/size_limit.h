@@ -15,7 +15,8 @@ using ShippedBytes = std::function<int64_t(const GaussianModel& model)>;
 struct SizeLimit {
   int64_t gaussians = 0;  // 0: not requested
   int64_t bytes = 0;
-  double least_psnr = 0;  // dB, by `psnr` below
+  double least_psnr = 0;          // dB, by `psnr` below
+  bool static_is_frozen = false;  // only dynamic Gaussians go
 
   ShippedBytes shipped_bytes = {};                              // for `bytes`
   std::function<double(const GaussianModel& model)> psnr = {};  // for `least_psnr`

@@ -11,7 +11,7 @@ namespace {
 /// Calls visit(values) for all that is averaged, always in one order.
 template <class State, class Visit>
 void for_each_value(State& state, Visit&& visit) {
-  for (int k = 0; k < 2; ++k)
+  for (int k = state.trains(0) ? 0 : 1; k < 2; ++k)
     for (int g = 0; g < state.set(k).groups(); ++g) visit(state.set(k).group(Group(g)).value);
   for (auto* const group : state.model.nodes.groups()) visit(group->value);
 }

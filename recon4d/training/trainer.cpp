@@ -34,6 +34,13 @@ std::string what_is_bad(const StepOutcome& outcome, SetForm form) {
   return names.empty() ? "the loss" : "the gradient of " + names;
 }
 
+/// Moves nothing: what is subtracted from a value is 0.
+AdamGroups<float> without_steps(AdamGroups<float> groups) {
+  for (AdamScalars<float>& group : groups.group) group.step_size = 0;
+  groups.sh_rest.step_size = 0;
+  return groups;
+}
+
 /// Those that may see a set: every frame, or every camera once where times do not matter.
 std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frames, bool moving) {
   std::vector<View> views;
@@ -91,6 +98,10 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       d_environment_(backend.memory()),
       exposed_(exposure_rows(scene, train_frames_, options_)) {
   validate(options_);
+  check(!state_.static_is_frozen ||
+            (options_.filter_3d == Filter3d::kNone &&
+             options_.densification != Densification::kMcmc && options_.motion != Motion::kNodes),
+        "Trainer: options that change a static set beside its steps");
   const auto exposures = int64_t(exposed_.names.size());
   if (state_.exposure.rows() == 0)
     state_.exposure.reset(exposures, exposure_width(options_.exposure));
@@ -254,12 +265,14 @@ void Trainer::backward() {
     sink.moment1 = set.moments1();
     sink.moment2 = set.moments2();
     sink.adam = schedule_.adam(i, set.form(), state_.model.nodes.started);
+    if (!state_.trains(k)) sink.adam = without_steps(sink.adam);
     sink.idle = options_.idle_updates;
     if (!sink.fused) {
       gradients_[k].resize(set.count(), set.blocks());
       sink.gradient = gradients_[k].values();
     }
-    if (schedule_.gathers_statistics(i)) args.statistics[k] = state_.statistics[k].spans();
+    if (schedule_.gathers_statistics(i) && state_.trains(k))
+      args.statistics[k] = state_.statistics[k].spans();
   }
   args.absolute =
       schedule_.gathers_statistics(i) && grows_with(options_, GrowthPart::kAbsoluteGradient);
@@ -331,6 +344,7 @@ void Trainer::finish() {
   average_.take_place(state_);
   const bool filtered = is_filtered(state_, options_);
   for (int k = 0; k < 2; ++k) {
+    if (!state_.trains(k)) continue;
     if (filtered) backend_.edit_by_filter(FilterEdit::kBake, state_.filtered_values(k), 0);
     prune_invisible(backend_, state_.set(k), state_.statistics[k],
                     state_.model.cutoff<double>().least_alpha);

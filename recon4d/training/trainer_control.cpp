@@ -27,6 +27,7 @@ DensityContext Trainer::density_context(int64_t room) const {
 
 double Trainer::static_share() const {
   const GaussianModel& model = state_.model;
+  if (!state_.trains(0)) return 0;
   if (model.dynamic_set.count() == 0) return 1;
   const double by_count = double(model.static_set.count()) / double(model.count());
   if (!grows_with(options_, GrowthPart::kWeightedDraw)) return by_count;
@@ -60,7 +61,7 @@ void Trainer::control() {
   if (densifies || reorders) average_.begin_anew();
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state_.set(k);
-    if (set.count() == 0) continue;
+    if (set.count() == 0 || !state_.trains(k)) continue;
     if (reorders) reorder(backend_, set, state_.statistics[k]);
     if (schedule_.measure_filter(i)) measure_filter(k);
     if (schedule_.reset_opacity(i))
@@ -91,7 +92,7 @@ void Trainer::densify() {
   const double of_static = mcmc ? 0 : static_share();
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state_.set(k);
-    if (set.count() == 0) continue;
+    if (set.count() == 0 || !state_.trains(k)) continue;
     if (!mcmc)
       reports[size_t(k)] = control_density(backend_, density_context(room_of(k, limit, of_static)),
                                            set, state_.statistics[k]);

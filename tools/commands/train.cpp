@@ -217,10 +217,9 @@ void add_train_command(CLI::App& app, Work& work) {
   command.add_option("--stop-after", parsed->stop_after,
                      "steps of this call; training then stops with a checkpoint; 0: all");
   command.add_option("--time-limit", parsed->time_limit,
-                     "stop with a checkpoint and exit code 75 before this time: 90s, 2h, 1h30m");
+                     "stop with a checkpoint and exit code 75 before this time: 1h30m");
   command.add_option("--window", parsed->window,
-                     "I/N: of a moving scene only the I-th of N equal parts, with 8 timesteps "
-                     "beyond both ends; evaluate scores the part itself");
+                     "I/N: the I-th of N equal parts of the clip alone");
   command.add_flag("--view", parsed->view, "show the training in a browser: tessera view RUN");
   command.add_flag("--json", parsed->json, "print one JSON object");
   add_train_options(command, parsed->arguments);

@@ -82,8 +82,9 @@ std::optional<GaussianModel> shipped_model(Trainer& trainer, const TrainOptions&
   GaussianModel best =
       validation.best() != nullptr ? validation.shipped() : trainer.host_model().clone_values();
   if (!fits) return best;
-  return fit_to_limit(size_limit(options, validation, shipped_bytes), backend, best,
-                      trainer.sample_frames());
+  SizeLimit limit = size_limit(options, validation, shipped_bytes);
+  limit.static_is_frozen = trainer.state().static_is_frozen;
+  return fit_to_limit(limit, backend, best, trainer.sample_frames());
 }
 
 json training_result(const TrainState& state, const TrainOptions& options,
