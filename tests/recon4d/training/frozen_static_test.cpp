@@ -1,5 +1,5 @@
-// A training whose static set is frozen: whatever happens in it, that set stays to the bit as it is,
-// and the dynamic one is trained and thinned beside it.
+// A training whose static set is frozen: whatever happens in it, that set stays to the bit as it
+// is, and the dynamic one is trained and thinned beside it.
 #include <gtest/gtest.h>
 
 #include <cstring>
