@@ -37,7 +37,7 @@ async function onPage(data, viewport, check, more = {}) {
   await page.close();
 }
 
-// Bug put back: the chart as wide as its viewBox in pixels; seen to fail at 390 pixels.
+// Finds: the chart as wide as its viewBox in pixels.
 for (const colorScheme of ['light', 'dark'])
   for (const viewport of [kWide, kNarrow])
     test(`${colorScheme}, fits a window of ${viewport.width} pixels`, async () => {
@@ -51,8 +51,8 @@ for (const colorScheme of ['light', 'dark'])
       }, {colorScheme});
     });
 
-// Bugs put back: the lowest PSNR is best; the mean over scenes includes each twice; a cell of the
-// training where the whole command is known; each seen to fail.
+// Finds: the lowest PSNR is best; the mean over scenes includes each twice; a cell of the
+// training where the whole command is known.
 test('scenes by presets, with means and the best in bold', async () => {
   await onPage(batchData(), kWide, async (page) => {
     const table = page.getByRole('table', {name: 'PSNR of all scenes'});
@@ -76,8 +76,8 @@ test('scenes by presets, with means and the best in bold', async () => {
   });
 });
 
-// Bugs put back: published figures of other scenes in the chart; figures of others on the front; the
-// front by the first axis whatever is shown; the knee not marked; each seen to fail.
+// Finds: published figures of other scenes in the chart; figures of others on the front; the
+// front by the first axis whatever is shown; the knee not marked.
 test('quality against cost, by pointer, keys and axis', async () => {
   await onPage(batchData(), kWide, async (page) => {
     const figure = page.getByRole('figure', {name: 'Quality on hall'});
@@ -106,7 +106,7 @@ test('quality against cost, by pointer, keys and axis', async () => {
   });
 });
 
-// Bug put back: all scenes are built at once; seen to fail.
+// Finds: all scenes are built at once.
 test('many scenes are folded and built when they are opened', async () => {
   await onPage(batchData({count: 6}), kWide, async (page) => {
     assert.equal(await page.locator('svg.scatter').count(), 0);
@@ -119,8 +119,7 @@ test('many scenes are folded and built when they are opened', async () => {
   });
 });
 
-// Bugs put back: failures below the scores; a colour for each seed; views of seeds; each seen to
-// fail.
+// Finds: failures below the scores; a colour for each seed; views of seeds.
 test('failures come first, seeds share a colour, presets are compared by their views', async () => {
   const failures = [{line: 'barn: train, fast, seed 2 (exit 1): <loss>', log: '../logs/a b.log'}];
   await onPage(batchData({failures}), kWide, async (page) => {

@@ -10,7 +10,7 @@ function points(...pairs) {
   return pairs.map(([cost, quality]) => ({cost, quality}));
 }
 
-// Bug put back: points as good as a cheaper one stay; seen to fail.
+// Finds: points as good as a cheaper one stay.
 test('the front keeps what no other beats', () => {
   const five = points([100, 30], [1, 20], [20, 24], [10, 25], [12, 25]);
   assert.deepEqual(paretoFront(five), [1, 3, 0]);
@@ -19,8 +19,7 @@ test('the front keeps what no other beats', () => {
   assert.deepEqual(paretoFront([]), []);
 });
 
-// Bugs put back: cost on a linear axis, which gives point 2; farthest on either side of the line;
-// each seen to fail.
+// Finds: cost on a linear axis, which gives point 2; farthest on either side of the line.
 test('the knee is farthest above the line', () => {
   const bent = points([1, 20], [10, 28], [100, 30], [1000, 30.5], [50, 27]);
   assert.equal(kneeOf(bent), 1);
@@ -29,7 +28,7 @@ test('the knee is farthest above the line', () => {
   assert.equal(kneeOf(points([10, 30], [20, 25], [30, 20])), null, 'one on the front');
 });
 
-// Bug put back: one tick for equal values; seen to fail.
+// Finds: one tick for equal values.
 test('linear ticks are round and surround the values', () => {
   assert.deepEqual(linearTicks(26.7, 31.3), [26, 28, 30, 32]);
   assert.deepEqual(linearTicks(0, 1), [0, 0.5, 1]);

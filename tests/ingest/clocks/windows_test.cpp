@@ -8,8 +8,8 @@
 namespace tessera {
 namespace {
 
-// Bugs put back: cores that begin at I (T / N), which leaves timesteps at the end; the last
-// timestep of a core in the next one, too; each seen to fail.
+// Finds: cores that begin at I (T / N), which leaves timesteps at the end; the last timestep of
+// a core in the next one, too.
 TEST(Windows, HaveEveryTimestepOnceInCoresOfEqualLength) {
   for (const int64_t timesteps : {2, 7, 150, 1801})
     for (const int64_t count : {1, 2, 3, 7, 75}) {
@@ -27,7 +27,7 @@ TEST(Windows, HaveEveryTimestepOnceInCoresOfEqualLength) {
     }
 }
 
-// Bug put back: timesteps beyond the clip; seen to fail.
+// Finds: timesteps beyond the clip.
 TEST(Windows, ReachBeyondTheirCoresWithinTheClip) {
   const auto range = [](int64_t index) { return range_of({index, 3, 8}, 90); };
   EXPECT_EQ(range(0).first, 0);
@@ -39,7 +39,7 @@ TEST(Windows, ReachBeyondTheirCoresWithinTheClip) {
   EXPECT_THROW(range_of({0, 46, 8}, 90), InputError);
 }
 
-// Bugs put back: counting from 0; text behind the numbers is passed over; each seen to fail.
+// Finds: counting from 0; text behind the numbers is passed over.
 TEST(Windows, AreNamedFromOneOn) {
   EXPECT_EQ(window_of_text("2/12", "--window"), (Window{1, 12}));
   EXPECT_EQ(text_of(Window{1, 12}), "2/12");

@@ -96,9 +96,9 @@ class SceneClips : public ::testing::Test {
   json cameras_ = json::array();
 };
 
-// Bugs put back: images without the lens removed; scaled before that; times by rate and number of
-// the frame; frames of a window by their place in the whole clip; the clips in another order than
-// their frames; each seen to fail.
+// Finds: images without the lens removed; scaled before that; times by rate and number of the
+// frame; frames of a window by their place in the whole clip; the clips in another order than
+// their frames.
 TEST_F(SceneClips, AreTheSameSceneAsItsImages) {
   const IngestReport images = ingest("images", FramesAs::kPng);
   const IngestReport clips = ingest("clips", FramesAs::kVideo);
@@ -122,8 +122,7 @@ TEST_F(SceneClips, AreTheSameSceneAsItsImages) {
   expect_same(load_scene(folder_ / "clips", options), load_scene(folder_ / "images", options));
 }
 
-// Bugs put back: the axis of the whole clip; poses that were read and are written again; each seen
-// to fail.
+// Finds: the axis of the whole clip; poses that were read and are written again.
 TEST_F(SceneClips, UnpackToTheSameScene) {
   ingest("clips", FramesAs::kVideo);
   const Window window{1, 3, 2};
@@ -138,8 +137,8 @@ TEST_F(SceneClips, UnpackToTheSameScene) {
                      {"no prepared scene"});
 }
 
-// Bugs put back: only the existence of a source is checked; a scene of clips is converted again
-// into one without frames; each seen to fail.
+// Finds: only the existence of a source is checked; a scene of clips is converted again into one
+// without frames.
 TEST_F(SceneClips, NameASourceThatIsNotWhatItWas) {
   ingest("clips", FramesAs::kVideo);
   expect_input_error([&] { ingest_capture(folder_ / "clips", folder_ / "again", {}, {}); },
@@ -153,7 +152,7 @@ TEST_F(SceneClips, NameASourceThatIsNotWhatItWas) {
   expect_input_error([&] { load_scene(folder_ / "clips", {}); }, {"reads no videos", "unpack"});
 }
 
-// Bug put back: ticks that go back are taken; seen to fail.
+// Finds: ticks that go back are taken.
 TEST_F(SceneClips, RefuseDamagedEntries) {
   ingest("clips", FramesAs::kVideo);
   const std::string whole = read_bytes(folder_ / "clips/transforms.json");
@@ -172,7 +171,7 @@ TEST_F(SceneClips, RefuseDamagedEntries) {
   refused([](json& clip) { clip["mask_path"] = "masks/none.png"; }, "none.png");
 }
 
-// Bug put back: --fit-exposure is passed over; seen to fail.
+// Finds: --fit-exposure is passed over.
 TEST_F(SceneClips, RefuseWhatChangesPixels) {
   IngestOptions options;
   options.poses.source = {PoseSource::kCameras, folder_ / "cameras.json"};

@@ -177,10 +177,8 @@ TEST(Scene, FewHeldOutFramesKeepTheirTimes) {
   EXPECT_EQ(load_scene(folder.path(), {.held_out = 20}).frames.size(), 9u);
 }
 
-// Bugs put back, each seen to fail: the error of the last bad frame reported (not the first);
-// require_image() returning the stated path without looking.
-// Bugs put back: times of the whole clip; numbers of timesteps of the whole clip; the axis of the
-// whole clip; points of other times; a sweep's cloud of the whole clip; each seen to fail.
+// Finds: times of the whole clip; numbers of timesteps of the whole clip; the axis of the whole
+// clip; points of other times; a sweep's cloud of the whole clip.
 TEST(Scene, AWindowIsAClipOfItsOwn) {
   const TemporaryFolder folder;
   SmallCapture capture;
@@ -227,6 +225,8 @@ TEST(Scene, AWindowIsAClipOfItsOwn) {
   expect_input_error([&] { load_scene(folder.path(), options); }, {"one timestep"});
 }
 
+// Bugs put back, each seen to fail: the error of the last bad frame reported (not the first);
+// require_image() returning the stated path without looking.
 TEST(BadScene, ImagesThatAreMissingOrDamagedAreNamed) {
   const TemporaryFolder folder;
   write_dnerf(folder.path(), {});

@@ -79,9 +79,9 @@ struct FrozenTraining {
   const std::vector<float> before;
 };
 
-// Bugs put back, each seen to fail: steps of the optimiser; density control, resets of opacities,
-// the order in memory, unseen Gaussians, the mean of the last steps, promotion, pruning, SH degrees
-// and the last clean-up of the static set.
+// Finds: steps of the optimiser; density control, resets of opacities, the order in memory,
+// unseen Gaussians, the mean of the last steps, promotion, pruning, SH degrees and the last
+// clean-up of the static set.
 TEST(FrozenStatic, StaysToTheBitThroughEveryEvent) {
   FrozenTraining frozen(eventful_options());
   ASSERT_GT(frozen.training.model().static_set.count(), 30);
@@ -106,7 +106,7 @@ TEST(FrozenStatic, StaysToTheBitThroughEveryEvent) {
   EXPECT_LE(frozen.training.model().count(), 120) << "the limit counts both sets";
 }
 
-// Bug put back: a resumed training trains the static set; seen to fail.
+// Finds: a resumed training trains the static set.
 TEST(FrozenStatic, StaysFrozenInACheckpoint) {
   const TrainOptions options = eventful_options();
   FrozenTraining whole(options);
@@ -120,8 +120,7 @@ TEST(FrozenStatic, StaysFrozenInACheckpoint) {
   EXPECT_TRUE(same_bits(values_of(resumed.model().static_set), whole.before));
 }
 
-// Bug put back: static Gaussians without weight go when the model is fitted to a limit; seen to
-// fail.
+// Finds: static Gaussians without weight go when the model is fitted to a limit.
 TEST(FrozenStatic, StaysWholeWhereTheModelIsFittedToALimit) {
   FrozenTraining frozen(eventful_options());
   GaussianModel model = frozen.training.trainer().host_model().clone_values();

@@ -100,8 +100,7 @@ TEST_F(BatchReport, DistinguishesTrainingViewsFromHeldOutOnes) {
   EXPECT_EQ(all["scenes"][2]["split"], "train");
 }
 
-// Bugs put back: without the seconds of one job a sum of the others; a resumed training's sum; each
-// seen to fail.
+// Finds: without the seconds of one job a sum of the others; a resumed training's sum.
 TEST_F(BatchReport, AddsUpTheSecondsOfAllJobs) {
   const auto command = [&] { return whole()["runs"][0]["seconds"]["command"]; };
   const std::string run = "runs/room/fast/seed-1";
@@ -197,7 +196,7 @@ TEST_F(BatchReport, LinksToPlayers) {
   EXPECT_EQ(point_of(report(), "room", "fast")["metrics"]["shipped_bytes"]["median"], 3 << 20);
 }
 
-// Bug put back: a folder without runs is no batch; seen to fail.
+// Finds: a folder without runs is no batch.
 TEST(BatchFolder, NothingDoneYet) {
   const testing::ScratchFolder folder;
   EXPECT_THROW(read_batch(folder.path()), InputError);

@@ -21,9 +21,9 @@ size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-// Bugs put back: views of every seed, not of one a preset; views that were rendered are rendered
-// again; a report that is older than the model is taken; addresses from the run's own report;
-// images in the page of a batch without end; each seen to fail.
+// Finds: views of every seed, not of one a preset; views that were rendered are rendered again;
+// a report that is older than the model is taken; addresses from the run's own report; images in
+// the page of a batch without end.
 TEST(CliReport, ShowsTheRunsOfABatchAndKeepsTheirViews) {
   const CliWorkspace work;
   for (const char* seed : {"1", "2"}) {
