@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <system_error>
 
 #include "ingest/files/json_file.h"
 #include "ingest/poses/pose_matrix.h"
@@ -64,7 +66,8 @@ ordered_json runs_json(const std::vector<int64_t>& ticks) {
       fmt::format("{}: {} is missing or damaged; prepare the capture again", where, what));
 }
 
-std::vector<int64_t> ticks_of(const json& runs, const std::string& where) {
+/// `most`: bytes of the files, of which a frame has one or more.
+std::vector<int64_t> ticks_of(const json& runs, int64_t most, const std::string& where) {
   if (!runs.is_array()) refuse(where, "ticks");
   std::vector<int64_t> ticks;
   for (const json& run : runs) {
@@ -72,8 +75,8 @@ std::vector<int64_t> ticks_of(const json& runs, const std::string& where) {
         !run[1].is_number_integer() || !run[2].is_number_integer())
       refuse(where, "ticks");
     const int64_t first = run[0], step = run[1], count = run[2];
-    constexpr int64_t kMost = 100'000'000;  // more than a year of frames
-    if (step < 1 || count < 1 || count > kMost || (!ticks.empty() && first <= ticks.back()))
+    if (step < 1 || count < 1 || count > most - int64_t(ticks.size()) ||
+        (!ticks.empty() && first <= ticks.back()))
       refuse(where, "ticks");
     for (int64_t k = 0; k < count; ++k) ticks.push_back(first + k * step);
   }
@@ -117,6 +120,24 @@ void read_files(const json& entry, const std::string& where, SceneClip& clip) {
 }
 
 }  // namespace
+
+void check_source(const SceneClip& clip) {
+  for (size_t i = 0; i < clip.files.size(); ++i) {
+    const std::string file = clip.files[i].string();
+    std::error_code absent;
+    const auto bytes = std::filesystem::file_size(clip.files[i], absent);
+    if (absent)
+      throw InputError(fmt::format(
+          "{}: cannot be read ({}); the frames of camera {} are in it: restore it, or prepare the "
+          "capture again",
+          file, absent.message(), clip.camera));
+    if (int64_t(bytes) != clip.bytes[i])
+      throw InputError(fmt::format(
+          "{}: has {} bytes, and the scene was made when it had {}; restore it, or prepare the "
+          "capture again",
+          file, bytes, clip.bytes[i]));
+  }
+}
 
 std::string SceneClip::frame_name(int64_t number) const {
   return fmt::format("{}/{:05}", camera, number);
@@ -164,7 +185,9 @@ SceneClip scene_clip_of(const json& entry, const std::string& where) {
     refuse(where, "time_base");
   clip.time_base = {base[0], base[1]};
   clip.time_offset = finite_number(entry, "time_offset", where).value_or(0);
-  clip.ticks = ticks_of(entry.value("ticks", json()), where);
+  check_source(clip);
+  clip.ticks = ticks_of(entry.value("ticks", json()),
+                        std::accumulate(clip.bytes.begin(), clip.bytes.end(), int64_t{0}), where);
   read_intrinsics(entry.value("stored", json()), where, clip.stored);
   read_lens(entry, where, clip);
   clip.scale = finite_number(entry, "scale", where).value_or(1);

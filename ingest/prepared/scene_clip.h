@@ -41,7 +41,9 @@ struct SceneClip {
 
 /// As an entry of `tessera.clips` in transforms.json. Ticks of a constant rate are one triple.
 nlohmann::ordered_json to_json(const SceneClip& clip);
-/// Errors: InputError that starts with `where`.
+/// Errors: InputError: a file of the clip is gone or of another size.
+void check_source(const SceneClip& clip);
+/// Errors: InputError that starts with `where`, or as check_source.
 SceneClip scene_clip_of(const nlohmann::json& entry, const std::string& where);
 
 /// Reads frames of clips as a prepared scene has them. Threads may call it at once.

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <system_error>
 #include <utility>
 
 #include "ingest/video/clip_frames.h"
@@ -12,25 +11,6 @@
 
 namespace tessera {
 namespace {
-
-/// Errors: InputError: a file of the clip is gone or of another size.
-void check_source(const SceneClip& clip) {
-  for (size_t i = 0; i < clip.files.size(); ++i) {
-    const std::string file = clip.files[i].string();
-    std::error_code absent;
-    const auto bytes = std::filesystem::file_size(clip.files[i], absent);
-    if (absent)
-      throw InputError(fmt::format(
-          "{}: cannot be read ({}); the frames of camera {} are in it: restore it, or prepare the "
-          "capture again",
-          file, absent.message(), clip.camera));
-    if (int64_t(bytes) != clip.bytes[i])
-      throw InputError(fmt::format(
-          "{}: has {} bytes, and the scene was made when it had {}; restore it, or prepare the "
-          "capture again",
-          file, bytes, clip.bytes[i]));
-  }
-}
 
 RigClip rig_clip_of(const SceneClip& clip) {
   RigClip rig{.name = clip.camera, .video = clip.files.front(), .timeline = {}, .camera = {}};

@@ -143,13 +143,13 @@ TEST_F(SceneClips, NameASourceThatIsNotWhatItWas) {
   ingest("clips", FramesAs::kVideo);
   expect_input_error([&] { ingest_capture(folder_ / "clips", folder_ / "again", {}, {}); },
                      {"prepared scene", "prepare that capture again"});
+  set_clip_reader(nullptr);
+  expect_input_error([&] { load_scene(folder_ / "clips", {}); }, {"reads no videos", "unpack"});
   std::ofstream(folder_ / "capture/cam01.mp4", std::ios::app) << "more";
   expect_input_error([&] { load_scene(folder_ / "clips", {}); },
                      {"cam01.mp4", "bytes", "prepare the capture again"});
   std::filesystem::remove(folder_ / "capture/cam01.mp4");
   expect_input_error([&] { load_scene(folder_ / "clips", {}); }, {"cam01.mp4", "camera cam01"});
-  set_clip_reader(nullptr);
-  expect_input_error([&] { load_scene(folder_ / "clips", {}); }, {"reads no videos", "unpack"});
 }
 
 // Finds: ticks that go back are taken.
@@ -164,6 +164,7 @@ TEST_F(SceneClips, RefuseDamagedEntries) {
   };
   refused([](json& clip) { clip["ticks"] = {{10, 512, 4}, {20, 512, 4}}; }, "ticks");
   refused([](json& clip) { clip["ticks"] = {{10, 0, 4}}; }, "ticks");
+  refused([](json& clip) { clip["ticks"] = {{10, 1, int64_t{1} << 40}}; }, "ticks");
   refused([](json& clip) { clip.erase("files"); }, "files");
   refused([](json& clip) { clip["time_base"] = {1, 0}; }, "time_base");
   refused([](json& clip) { clip["camera"] = "cam00"; }, "another clip of camera cam00");
