@@ -1,41 +1,10 @@
 // The page of a batch in Chromium, opened from the disk with made-up data: failures, tables of
 // variants, the chart of quality against cost, and scenes that are built when they are opened.
 import assert from 'node:assert/strict';
-import {writeFileSync} from 'node:fs';
-import {join} from 'node:path';
-import {after, before, test} from 'node:test';
+import {test} from 'node:test';
 
 import {batchData} from './batch_data.mjs';
-import {launchBrowser, scratchFolder} from './harness.mjs';
-import {pageWith} from './report_data.mjs';
-
-const folder = scratchFolder();
-const template = join(process.env.TESSERA_PLAYER_WORK, '..', 'report.html');
-const kWide = {width: 1280, height: 720};
-const kNarrow = {width: 390, height: 844};
-let browser;
-
-before(async () => {
-  browser = await launchBrowser();
-});
-after(() => browser?.close());
-
-/** Runs `check` on the page of the data; nothing may go wrong there or be asked for elsewhere. */
-async function onPage(data, viewport, check, more = {}) {
-  const file = join(folder, 'index.html');
-  writeFileSync(file, pageWith(template, data));
-  const page = await browser.newPage({viewport, ...more});
-  const wrong = [];
-  page.on('pageerror', (error) => wrong.push(String(error.stack)));
-  page.on('console', (message) => message.type() !== 'log' && wrong.push(message.text()));
-  page.on('request', (request) => {
-    if (!/^(file|data|blob):/.test(request.url())) wrong.push(request.url());
-  });
-  await page.goto(`file://${file}`);
-  await check(page);
-  assert.deepEqual(wrong, []);
-  await page.close();
-}
+import {kNarrow, kWide, onPage} from './report_browser.mjs';
 
 // Finds: the chart as wide as its viewBox in pixels.
 for (const colorScheme of ['light', 'dark'])
@@ -45,9 +14,6 @@ for (const colorScheme of ['light', 'dark'])
         const width = await page.evaluate(() => document.documentElement.scrollWidth);
         assert.equal(width, viewport.width);
         assert.equal(await page.locator('svg.scatter').count(), 2);
-        if (process.env.SHOTS)
-          await page.screenshot({path: join(process.env.SHOTS,
-              `batch_${colorScheme}_${viewport.width}.png`), fullPage: true});
       }, {colorScheme});
     });
 

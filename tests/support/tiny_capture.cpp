@@ -118,6 +118,32 @@ TrainOptions tiny_options() {
   return options;
 }
 
+TrainOptions thrifty_options() {
+  TrainOptions options = tiny_options();
+  options.iterations = options.schedule_iterations = 200;
+  options.init_points = 150;
+  options.static_fraction = 0.4;
+  options.sh_degree = 2;
+  options.sh_interval = 20;
+  options.sh_time_degree = 0;
+  options.densify_from = 10;
+  options.densify_until = 100;
+  options.densify_interval = 15;
+  options.densify_threshold = 5e-5;
+  options.peak_gaussians = 260;
+  options.size = ModelSize::kKnee;
+  options.decide_motion = true;
+  options.decide_colour = true;
+  options.thin_rounds = 4;
+  options.thin_until = 180;
+  options.decide_interval = 30;
+  return options;
+}
+
+int64_t made_bytes(const GaussianModel& model) {
+  return 100 + 40 * model.static_set.count() + 60 * model.dynamic_set.count();
+}
+
 TrainState first_state(const Scene& scene, const TrainOptions& options) {
   std::string source;
   return initial_state(scene, options, source);

@@ -30,6 +30,10 @@ Scene tiny_capture(const TinyCapture& capture, const GaussianModel& truth);
 void add_noise(Scene& scene, double most, uint64_t seed);
 /// Short enough for a test, with every event of the schedule in it.
 TrainOptions tiny_options();
+/// Grows until 100, thins out at 101, 127, 153 and 180, decides on motion at 30, 60 and 90.
+TrainOptions thrifty_options();
+/// A made-up size of the shipped file.
+int64_t made_bytes(const GaussianModel& model);
 
 /// A trainer with all it refers to, and the reports to its observer.
 class Training : private Observer {

@@ -8,8 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "kernels/base/errors.h"
-
 namespace tessera {
 namespace {
 
@@ -35,10 +33,8 @@ json to_json(const Spread& spread) {
 
 /// Of a point whose `runs` are gathered: their spreads.
 void summarise(json& point) {
-  const json runs = std::move(point["cells"]);
-  point.erase("cells");
-  for (const char* key : {"row", "share"})
-    if (runs[0].contains(key)) point[key] = runs[0][key];
+  const json runs = std::move(point["runs"]);
+  point.erase("runs");
   point["metrics"] = json::object();
   point["errors"] = json::array();
   json done = json::array();
@@ -81,7 +77,7 @@ json points_of(const json& runs) {
   for (const json& run : runs) {
     json& scene = entry_like(scenes, run, {"scene", "split"});
     json& point = entry_like(scene["points"], run, {"label", "iterations"});
-    point["cells"].push_back(run);
+    point["runs"].push_back(run);
   }
   for (json& scene : scenes)
     for (json& point : scene["points"]) summarise(point);

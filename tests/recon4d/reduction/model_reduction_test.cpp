@@ -18,33 +18,6 @@
 namespace tessera::testing {
 namespace {
 
-int64_t made_bytes(const GaussianModel& model) {
-  return 100 + 40 * model.static_set.count() + 60 * model.dynamic_set.count();
-}
-
-/// Grows until 100, thins out at 101, 127, 153 and 180, decides on motion at 30, 60 and 90.
-TrainOptions thrifty_options() {
-  TrainOptions options = tiny_options();
-  options.iterations = options.schedule_iterations = 200;
-  options.init_points = 150;
-  options.static_fraction = 0.4;
-  options.sh_degree = 2;
-  options.sh_interval = 20;
-  options.sh_time_degree = 0;
-  options.densify_from = 10;
-  options.densify_until = 100;
-  options.densify_interval = 15;
-  options.densify_threshold = 5e-5;
-  options.peak_gaussians = 260;
-  options.size = ModelSize::kKnee;
-  options.decide_motion = true;
-  options.decide_colour = true;
-  options.thin_rounds = 4;
-  options.thin_until = 180;
-  options.decide_interval = 30;
-  return options;
-}
-
 /// A training with its decisions, from its beginning or from a state.
 struct ReducedTraining {
   Scene scene;

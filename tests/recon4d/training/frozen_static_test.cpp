@@ -12,24 +12,10 @@
 namespace tessera::testing {
 namespace {
 
-int64_t made_bytes(const GaussianModel& model) {
-  return 100 + 40 * model.static_set.count() + 60 * model.dynamic_set.count();
-}
-
 /// With every event that changes Gaussians.
 TrainOptions eventful_options() {
-  TrainOptions options = tiny_options();
-  options.iterations = options.schedule_iterations = 200;
-  options.init_points = 150;
-  options.static_fraction = 0.4;
-  options.sh_degree = 2;
-  options.sh_interval = 20;
-  options.sh_time_degree = 0;
-  options.densify_from = 10;
-  options.densify_until = 100;
-  options.densify_interval = 15;
-  options.densify_threshold = 5e-5;
-  options.peak_gaussians = 260;
+  TrainOptions options = thrifty_options();
+  options.size = TrainOptions().size;
   options.max_gaussians = 120;
   options.opacity_reset_interval = 40;
   options.reorder_interval = 20;
@@ -37,11 +23,7 @@ TrainOptions eventful_options() {
   options.unseen_interval = 25;
   options.opacity_weight = 0.01;
   options.average_from = 0.9;
-  options.decide_motion = true;
-  options.decide_colour = true;
-  options.thin_rounds = 4;
   options.thin_until = 170;
-  options.decide_interval = 30;
   return options;
 }
 
