@@ -26,10 +26,15 @@ struct Block {
 /// Gaussian of which `nodes` carry; sound Gaussians only, at least one.
 Block encode_block(const GaussianSet& set, const BlockRules& rules,
                    const MotionNodes& nodes = MotionNodes());
+/// The block with its streams in a head of its own bytes.
+Block with_head(Block block);
 
 /// Of a set's positions, world units: a share of the second axes of the smaller Gaussians, for the
 /// thinnest is often that of a disc.
 double position_step(const GaussianSpans<const float>& set);
+
+/// Errors: InputError naming `path`: another size or checksum than the manifest's.
+void check_block(std::string_view bytes, const BlockInfo& info, const std::filesystem::path& path);
 
 /// A static set, a canonical one or one in velocity form, with the SH coefficients of `sh_degree`;
 /// of a canonical one also its nodes. Errors:

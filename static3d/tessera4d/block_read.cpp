@@ -128,9 +128,7 @@ class Decoder {
 
 }  // namespace
 
-GaussianSet decode_block(std::string_view bytes, const BlockInfo& info, int sh_degree,
-                         bool anchor_in_clip, const std::filesystem::path& path,
-                         MotionNodes* nodes) {
+void check_block(std::string_view bytes, const BlockInfo& info, const std::filesystem::path& path) {
   if (bytes.size() != info.bytes)
     throw InputError(fmt::format("{}: has {} bytes, its manifest says {}; fetch or export it again",
                                  path.string(), bytes.size(), info.bytes));
@@ -139,7 +137,15 @@ GaussianSet decode_block(std::string_view bytes, const BlockInfo& info, int sh_d
         fmt::format("{}: its checksum differs from the manifest's: it is damaged or of another "
                     "export; fetch or export it again",
                     path.string()));
-  const Decoder decoder(bytes, info, path);
+}
+
+GaussianSet decode_block(std::string_view bytes, const BlockInfo& info, int sh_degree,
+                         bool anchor_in_clip, const std::filesystem::path& path,
+                         MotionNodes* nodes) {
+  check_block(bytes, info, path);
+  BlockInfo known = info;
+  if (info.head > 0) known.streams = streams_of_head(bytes, info, path);
+  const Decoder decoder(bytes.substr(info.head), known, path);
   if (nodes != nullptr && info.nodes > 0) *nodes = decoder.decode_nodes();
   return decoder.decode(sh_degree, anchor_in_clip);
 }

@@ -237,4 +237,14 @@ Block encode_block(const GaussianSet& set, const BlockRules& rules, const Motion
   return Encoder(set, rules, nodes).encode();
 }
 
+Block with_head(Block block) {
+  const std::string head = head_of(block.info);
+  block.bytes.insert(0, head);
+  block.info.streams.clear();
+  block.info.head = head.size();
+  block.info.bytes = block.bytes.size();
+  block.info.crc32 = crc32_of(block.bytes);
+  return block;
+}
+
 }  // namespace tessera

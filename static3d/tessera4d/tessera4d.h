@@ -21,11 +21,15 @@ struct Tessera4dOptions {
   std::string generator = "tessera";
 };
 
+/// Gaussians of a file, and those of the model that are not in it.
+struct Tessera4dCounts {
+  int64_t static_count = 0, dynamic_count = 0, non_finite = 0, never_drawn = 0, far_outliers = 0;
+};
+
 /// A file that has not been written yet.
-struct Tessera4dFile {
+struct Tessera4dFile : Tessera4dCounts {
   std::string manifest;                                     // JSON
   std::vector<std::pair<std::string, std::string>> blocks;  // name, bytes
-  int64_t static_count = 0, dynamic_count = 0, non_finite = 0, never_drawn = 0, far_outliers = 0;
 
   /// Of manifest and blocks.
   int64_t bytes() const;
@@ -40,6 +44,9 @@ constexpr const char* kTessera4dManifest = "manifest.json";
 void write_tessera4d_folder(const std::filesystem::path& folder, const Tessera4dFile& file);
 /// The same as the bytes of one file.
 std::string single_tessera4d(const Tessera4dFile& file);
+/// A folder as one file, block by block, atomically. Errors: InputError naming the file, what is
+/// wrong, the remedy.
+void single_from_folder(const std::filesystem::path& folder, const std::filesystem::path& path);
 
 /// Whether the first bytes are those of a single file; whether a folder's manifest.json names the
 /// format.
@@ -52,7 +59,8 @@ struct Tessera4dInput {
   int64_t bytes = 0;                  // of manifest and blocks
   std::vector<std::string> warnings;  // what was left out
 };
-/// From a folder or a single file. Errors: InputError naming the file, what is wrong, the remedy.
+/// From a folder or a single file. Errors: InputError naming the file, what is wrong, the remedy;
+/// also of a file of windows, which is opened by windowed_file.h.
 Tessera4dInput load_tessera4d(const std::filesystem::path& path);
 
 }  // namespace tessera
