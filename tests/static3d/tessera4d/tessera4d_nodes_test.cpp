@@ -136,7 +136,7 @@ TEST(Tessera4dNodes, WhatNoNodeHasIsRefused) {
             std::string::npos);
   EXPECT_NE(manifest_refusal([](json& m, json&) { m["version"] = 1; }).find("kind 'canonical'"),
             std::string::npos);
-  EXPECT_NE(manifest_refusal([](json& m, json&) { m["version"] = 3; }).find("version 3"),
+  EXPECT_NE(manifest_refusal([](json& m, json&) { m["version"] = 4; }).find("version 4"),
             std::string::npos);
   EXPECT_NE(manifest_refusal([](json&, json& block) { block["nodes"] = 0; }).find("0 motion nodes"),
             std::string::npos);

@@ -48,7 +48,7 @@ class SpoiltFile : public ::testing::Test {
 // each seen to fail.
 TEST_F(SpoiltFile, ManifestsThatCannotBe) {
   const std::vector<std::pair<std::function<void(json&)>, std::vector<std::string>>> cases = {
-      {[](json& m) { m["version"] = 3; }, {"version 3", "newer"}},
+      {[](json& m) { m["version"] = 4; }, {"version 4", "newer"}},
       {[](json& m) { m["format"] = "gltf"; }, {"gltf", "tessera-4d"}},
       {[](json& m) { m.erase("blocks"); }, {"no 'blocks'"}},
       {[](json& m) { m["blocks"] = 3; }, {"'blocks'", "no list"}},
