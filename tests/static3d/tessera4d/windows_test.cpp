@@ -89,7 +89,7 @@ class Windows : public ::testing::Test {
   Tessera4dOptions options_;
   std::vector<GaussianModel> models_ = [] {
     std::vector<GaussianModel> models;
-    for (uint64_t seed : {3, 4}) models.push_back(window_model(seed, 200));
+    for (uint64_t seed : {3, 4}) models.push_back(window_model(seed, 60));
     return models;
   }();
 };
@@ -114,7 +114,7 @@ TEST_F(Windows, AreReadBackAsTheyWereGiven) {
     EXPECT_TRUE(parts.warnings().empty());
   }
   EXPECT_EQ(written.dynamic_count, int64_t(expected[0].size() + expected[1].size()));
-  EXPECT_EQ(written.dynamic_count + written.never_drawn, 400);
+  EXPECT_EQ(written.dynamic_count + written.never_drawn, 120);
   EXPECT_GT(written.never_drawn, 0);
   EXPECT_EQ(written.peak, 40 + int64_t(std::max(expected[0].size(), expected[1].size())));
   EXPECT_EQ(written.bytes, open_tessera4d(folder_.path()).bytes());
@@ -140,8 +140,7 @@ TEST_F(Windows, HaveATimeOfTheirOwn) {
   }
 }
 
-// Bugs put back: a closed interval, so that the earlier window is drawn at a border; none at t = 1;
-// each seen to fail.
+// Bug put back: a closed interval, so that the earlier window is drawn at a border; seen to fail.
 TEST(WindowTimes, AtABorderTheLaterWindowIsDrawn) {
   EXPECT_EQ(window_at(kTwo, 0), 0);
   EXPECT_EQ(window_at(kTwo, std::nextafter(0.5, 0)), 0);
@@ -189,23 +188,24 @@ TEST_F(Windows, BlocksAreOnTheDiskBeforeTheManifest) {
 }
 
 // Bug put back: streams in the manifest; seen to fail.
-TEST(WindowTimes, AThousandBlocksHaveASmallManifest) {
-  constexpr int kWindows = 200;
-  std::vector<FileWindow> windows;
-  for (int w = 0; w < kWindows; ++w) {
-    const double low = double(w) / kWindows, high = double(w + 1) / kWindows;
-    windows.push_back({{low - 0.0003, high + 0.0003}, {low, high}});
+TEST_F(Windows, AThousandBlocksHaveASmallManifest) {
+  write();
+  const Tessera4dParts parts = open_tessera4d(folder_.path());
+  Tessera4dManifest manifest = parts.manifest();
+  const std::vector<BlockInfo> blocks = manifest.blocks;
+  manifest.windows.clear();
+  for (int w = 0; w < 200; ++w) {
+    const double low = w / 200.0, high = (w + 1) / 200.0;
+    manifest.windows.push_back({{low - 1 / 3e4, high + 1 / 3e4}, {low, high}});
   }
-  GaussianModel model = window_model(9, 60);
-  model.time_axis = {0, 1000};
-  Tessera4dOptions options;
-  options.gzip_level = 1;
-  BlocksWriter writer(
-      model, options, scene_box(model), [](const std::string&, const std::string&) {}, windows);
-  for (int w = 0; w < kWindows; ++w) writer.add_dynamic(model, w);
-  const json manifest = to_json(writer.manifest(), model);
-  EXPECT_GE(manifest["blocks"].size(), 1000u);
-  EXPECT_LT(manifest.dump().size() * 1000 / manifest["blocks"].size(), 300000u);
+  manifest.blocks.clear();
+  for (size_t i = 0; i < 1000; ++i) {
+    manifest.blocks.push_back(blocks[i % blocks.size()]);
+    manifest.blocks.back().bytes = 123456;
+    if (manifest.blocks.back().moving) manifest.blocks.back().window = int(i / 5);
+  }
+  EXPECT_LT(to_json(manifest, models_[0]).dump().size(), 300000u);
+  EXPECT_LT(std::filesystem::file_size(manifest_file()), 1500 + 250 * blocks.size());
 }
 
 // Bug put back: version 1 written for windows; seen to fail.
@@ -240,12 +240,17 @@ class SpoiltWindows : public Windows {
   /// After `change` of the manifest and its last block, of window 0.
   void refused(const std::function<void(json&, json&)>& change,
                const std::vector<std::string>& words) {
-    write();
-    json manifest = read_json(manifest_file());
+    if (!std::filesystem::exists(manifest_file())) {
+      write();
+      sound_ = read_json(manifest_file());
+    }
+    json manifest = sound_;
     change(manifest, manifest["blocks"].back());
     write_text_file(manifest_file(), manifest.dump());
     expect_input_error([&] { open_tessera4d(folder_.path()).load(0); }, words);
   }
+
+  json sound_;
 };
 
 // Bugs put back: cores not compared with their neighbours; a window of a block not compared with
