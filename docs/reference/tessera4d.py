@@ -15,7 +15,7 @@ import zlib
 
 import numpy as np
 
-VERSION = 2
+VERSION = 3
 MIN_MARGINAL = 0.05  # of exp(-z²/2): below it a dynamic Gaussian is not drawn
 MIN_OPACITY = 1 / 255
 
@@ -38,11 +38,18 @@ class Scene:
             content = load(block)
             if len(content) != block["bytes"] or zlib.crc32(content) != block["crc32"]:
                 raise ValueError(f"{path}: a block is damaged")
-            self.blocks.append((block, {s["name"]: stream(s, content) for s in block["streams"]}))
+            head = block.get("head", 0)  # of a file of windows: JSON in front of the streams
+            listed = json.loads(content[:head])["streams"] if head else block["streams"]
+            self.blocks.append((block, {s["name"]: stream(s, content[head:]) for s in listed}))
 
     def at(self, t):
-        parts = [gaussians(block, streams, self.manifest["anchor"], t) for block, streams in self.blocks
-                 if block["visible"][0] <= t <= block["visible"][1]]
+        windows, drawn, tau = self.manifest.get("windows", []), None, t
+        for i, window in enumerate(windows):
+            if i == 0 or window["drawn"][0] <= t:  # the last that has begun
+                low, high = window["time"]
+                drawn, tau = i, (t - low) / (high - low)
+        parts = [gaussians(block, streams, self.manifest["anchor"], tau) for block, streams in self.blocks
+                 if block["visible"][0] <= t <= block["visible"][1] and block.get("window", drawn) == drawn]
         empty = {"mean": np.zeros((0, 3)), "rotation": np.zeros((0, 4)), "scale": np.zeros((0, 3)),
                  "opacity": np.zeros(0), "sh": np.zeros((0, 16, 3))}
         return {key: np.concatenate([empty[key], *[part[key] for part in parts]]) for key in empty}

@@ -1,6 +1,7 @@
 // Writes the models and cameras of the browser tests: static torus and boxes with texture and a
-// swarm that moves for three seconds, and the same scene with torus and boxes carried by motion
-// nodes. The bytes are equal on every run. Usage: fixture_model FOLDER.
+// swarm that moves for three seconds, the same scene with torus and boxes carried by motion nodes,
+// and a few Gaussians as a file of two windows. The bytes are equal on every run. Usage:
+// fixture_model FOLDER.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -15,6 +16,7 @@
 #include "recon4d/model/element_edits.h"
 #include "recon4d/model/model_file.h"
 #include "tests/browser/fixture_nodes.h"
+#include "tests/browser/fixture_windows.h"
 #include "tests/support/random.h"
 
 namespace tessera::testing {
@@ -204,6 +206,7 @@ int main(int count, char** words) {
     const tessera::GaussianModel few = tessera::testing::few_of(model, 121);
     tessera::save_model(folder / "few_static.ply", tessera::testing::still_part_of(few));
     tessera::save_model(folder / "few_moving.ply", few);
+    tessera::testing::write_windows(folder, few, tessera::testing::few_of(model, 97));
     tessera::testing::Random random(7);
     tessera::testing::carry_by_nodes(model, random);
     tessera::save_model(folder / "carried.ply", model);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the test vectors of the Tessera 4D file, docs/reference/vectors: three small files, and for
+"""Writes the test vectors of the Tessera 4D file, docs/reference/vectors: small files, and for
 each a .json of the Gaussians that the program finds in it at some times.
 
 Usage: make_vectors.py TESSERA FIXTURE_FOLDER     (of tests/browser/fixture_model.cpp)
@@ -16,6 +16,7 @@ import numpy as np
 
 VECTORS = pathlib.Path(__file__).resolve().parents[2] / "docs" / "reference" / "vectors"
 TIMES = (0, 0.25, 0.7, 1)
+WINDOW_TIMES = (0, 0.25, 0.5, 0.7, 1)  # 0.5: a border
 
 
 def columns(ply):
@@ -42,7 +43,12 @@ def gaussians(program, file, t):
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([program, "export", file, "--format", "ply", "--time", str(t), "-o", folder],
                        check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        c = columns(pathlib.Path(folder) / "frame_0000.ply")
+        return gaussians_of(pathlib.Path(folder) / "frame_0000.ply")
+
+
+def gaussians_of(ply):
+    """Those of a 3DGS file: means ascend in x."""
+    c = columns(ply)
     order = np.argsort(c["x"])
     stacked = lambda *names: np.stack([c[name][order] for name in names], 1)
     rest = sorted((name for name in c if name.startswith("f_rest_")), key=lambda name: int(name[7:]))
@@ -62,6 +68,11 @@ def listed(arrays):
     return {key: np.round(array, 8).tolist() for key, array in arrays.items()}
 
 
+def write_rows(name, rows):
+    lines = ",\n".join(" " + json.dumps(row) for row in rows)
+    (VECTORS / f"{name}.json").write_text(f"[\n{lines}\n]\n")
+
+
 def main(program, fixture):
     VECTORS.mkdir(exist_ok=True)
     for name in ("static", "moving", "carried"):
@@ -70,9 +81,11 @@ def main(program, fixture):
                             "-o", folder], check=True, stdout=subprocess.DEVNULL)
             file = VECTORS / f"{name}.t4d"
             file.write_bytes((pathlib.Path(folder) / "scene.t4d").read_bytes())
-        rows = [{"t": t} | listed(gaussians(program, file, t)) for t in TIMES]
-        lines = ",\n".join(" " + json.dumps(row) for row in rows)
-        (VECTORS / f"{name}.json").write_text(f"[\n{lines}\n]\n")
+        write_rows(name, [{"t": t} | listed(gaussians(program, file, t)) for t in TIMES])
+    # of windows, sliced by tests/browser/fixture_windows.cpp
+    (VECTORS / "windows.t4d").write_bytes((fixture / "few_windows.t4d").read_bytes())
+    write_rows("windows", [{"t": t} | listed(gaussians_of(fixture / f"few_windows_{i:04}.ply"))
+                           for i, t in enumerate(WINDOW_TIMES)])
 
 
 if __name__ == "__main__":

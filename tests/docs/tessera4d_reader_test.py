@@ -95,14 +95,16 @@ class Reader(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "version"):
             tessera4d.Scene(manifest)
 
-    # Bugs put back: the marginal without its square, nodes' turns not blended; each seen to fail.
+    # Bugs put back: the marginal without its square, nodes' turns not blended, the earlier window
+    # drawn at a border, t in place of tau; each seen to fail.
     def test_the_vectors_are_read_as_they_say(self):
         for expected in sorted((REFERENCE / "vectors").glob("*.json")):
             scene = tessera4d.Scene(expected.with_suffix(".t4d"))
             for row in json.loads(expected.read_text()):
                 self.check_vector(expected.stem, row, read_at(scene, row["t"]))
-                self.check_vector(expected.stem, row, make_vectors.gaussians(
-                    PROGRAM, expected.with_suffix(".t4d"), row["t"]))
+                if expected.stem != "windows":  # the program exports one window of such a file
+                    self.check_vector(expected.stem, row, make_vectors.gaussians(
+                        PROGRAM, expected.with_suffix(".t4d"), row["t"]))
 
     def check_vector(self, name, row, found):
         for key in ("mean", "covariance", "opacity", "colour", "sh_sum"):

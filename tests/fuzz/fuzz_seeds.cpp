@@ -101,22 +101,25 @@ void write_spz_versions(const fs::path& folder) {
 #endif
 }
 
-/// One block of each kind behind a manifest.
-std::string tessera4d(bool lossless) {
+/// One block of each kind behind a manifest; `windows`: of the second of two.
+std::string tessera4d(bool lossless, bool windows = false) {
   const GaussianModel model = some_model(SetForm::kVelocity, 16);
   const BlockRules rules{lossless, 3, model.cutoff<double>()};
   Tessera4dManifest manifest;
   manifest.lossless = lossless;
+  if (windows) manifest.windows = {{{0, 0.6}, {0, 0.5}}, {{0.4, 1}, {0.5, 1}}};
   std::string bytes, blocks;
   for (const GaussianSet* set : {&model.static_set, &model.dynamic_set}) {
-    const Block block = encode_block(*set, rules);
+    Block block = encode_block(*set, rules);
+    if (windows) block = with_head(std::move(block));
+    if (windows && block.info.moving) block.info.window = 1;
     manifest.blocks.push_back(block.info);
     manifest.blocks.back().offset = blocks.size();
     blocks += block.bytes;
   }
   const std::string text = to_json(manifest, model).dump();
   append(bytes, std::array<char, 4>{'T', 'E', 'S', '4'});
-  append(bytes, uint32_t{1});
+  append(bytes, manifest.version());
   append(bytes, uint32_t(text.size()));
   return bytes + text + blocks;
 }
@@ -134,6 +137,7 @@ void write_models(const fs::path& folder) {
   save_model(folder / "model/nodes", model_with_nodes());
   for (const bool lossless : {false, true})
     write_text_file(folder / "tessera4d" / (lossless ? "exact" : "rounded"), tessera4d(lossless));
+  write_text_file(folder / "tessera4d/windows", tessera4d(false, true));
 }
 
 void write_transforms(const fs::path& folder) {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/gzip.h"
-#include "static3d/tessera4d/tessera4d.h"
+#include "static3d/tessera4d/windowed_file.h"
 #include "tests/fuzz/hostile_file.h"
 
 namespace {
@@ -107,6 +107,24 @@ void change_stream(SingleFile& file, unsigned seed) {
   file.blocks += bytes;
 }
 
+/// Changes a value in the head of a block of a file of windows, and puts the block at the end.
+void change_head(SingleFile& file, unsigned seed) {
+  json& block = file.manifest["blocks"][seed % file.manifest["blocks"].size()];
+  size_t position = 0, length = 0;
+  if (!range_of(block, file.blocks, position, length) || !block.contains("head")) return;
+  if (!block["head"].is_number_unsigned() || block["head"] > length) return;
+  const size_t size = block["head"];
+  json head = json::parse(file.blocks.substr(position, size), nullptr, false);
+  if (!head.is_object() || head.empty()) return;
+  change_value(head, seed / 31);
+  const std::string text = head.dump(-1, ' ', false, json::error_handler_t::replace),
+                    bytes = text + file.blocks.substr(position + size, length - size);
+  block["head"] = text.size();
+  block["offset"] = file.blocks.size();
+  block["bytes"] = bytes.size();
+  file.blocks += bytes;
+}
+
 std::string join(SingleFile& file) {
   for (json& block : file.manifest["blocks"]) {
     size_t position = 0, length = 0;
@@ -124,8 +142,11 @@ std::string join(SingleFile& file) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  return tessera::testing::read_hostile(data, size, ".tes4",
-                                        [](const auto& path) { tessera::load_tessera4d(path); });
+  return tessera::testing::read_hostile(data, size, ".tes4", [](const auto& path) {
+    tessera::Tessera4dParts parts = tessera::open_tessera4d(path);
+    parts.load(0);
+    if (const size_t windows = parts.windows().size(); windows > 1) parts.load(int(windows) - 1);
+  });
 }
 
 extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t most, unsigned seed) {
@@ -133,7 +154,9 @@ extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t mos
   if (seed % 4 == 0 || !split(std::string(reinterpret_cast<const char*>(data), size), file))
     return LLVMFuzzerMutate(data, size, most);
   try {
-    if (seed % 4 == 1) change_stream(file, seed / 4);
+    if (seed % 4 == 1)
+      file.manifest.contains("windows") ? change_head(file, seed / 4)
+                                        : change_stream(file, seed / 4);
     if (seed % 4 >= 2) change_value(file.manifest, seed / 4);
     if (!file.manifest.is_object() || !file.manifest["blocks"].is_array())
       return LLVMFuzzerMutate(data, size, most);
