@@ -28,9 +28,12 @@ enum class SyncMethod { kAuto, kNone, kContainer, kAudio, kMotion };
 enum class CloudDensity { kNone, kSparse, kDense };
 
 /// What a prepared scene of clips has: an image file a frame, or the source videos by reference.
-enum class FramesAs { kPng, kVideo };
+/// kAuto: the videos, where the clip is longer than kLongClip and its frames can stay there.
+enum class FramesAs { kPng, kVideo, kAuto };
 template <>
-inline constexpr const char* kEnumNames<FramesAs>[] = {"png", "video"};
+inline constexpr const char* kEnumNames<FramesAs>[] = {"png", "video", "auto"};
+
+inline constexpr double kLongClip = 20;  // seconds; a longer one is trained window by window
 
 inline constexpr int64_t kCloudPoints = 100000;  // most that a plane sweep finds by default
 inline constexpr double kImageRate = 30;         // numbers per second of images that state none

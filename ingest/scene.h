@@ -89,6 +89,12 @@ struct Scene {
   TimeAxis time_axis;
   Similarity prepared_from_source;  // what was done to the world; identity where nothing was
   bool is_static = false;           // one timestep (no times given, or all equal and allowed)
+  // Of what stands still in a clip (ingest/prepared/static_scene.h): timesteps of that clip; else
+  // 0.
+  int64_t static_of = 0;
+  // [cameras] what stands still over a longer clip that this is a window of: images, and masks that
+  // ignore what does not; empty: not known.
+  std::vector<Frame> stills{};
   std::array<uint8_t, 3> background{0, 0, 0};  // sRGB colour that RGBA frames were composited on
   bool had_alpha = false;             // some frame had an alpha channel: empty space is known
   std::vector<std::string> warnings;  // one line each, for tools/ to print

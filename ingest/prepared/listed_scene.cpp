@@ -96,6 +96,7 @@ ListedScene list_scene(const std::filesystem::path& folder, bool allow_static) {
   NormalisedTimes times = times_of(capture, allow_static);
   scene.time_axis = times.axis;
   scene.is_static = times.is_static;
+  scene.static_of = capture.prepared_static_of;
   std::vector<FrameTime> frames;
   for (size_t i = 0; i < times.time.size(); ++i)
     frames.push_back({capture.frames[i].camera_name, times.time[i], capture.frames[i].split});

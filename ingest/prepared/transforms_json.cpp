@@ -128,6 +128,9 @@ void read_prepared_object(const json& object, const std::string& where,
   axis.duration = finite_number(time, "duration", where).value_or(axis.duration);
   capture.prepared_axis = axis;
   capture.prepared_static = is_true(time, "static");
+  const double clip = finite_number(time, "static_of", where).value_or(0);
+  capture.prepared_static_of =
+      capture.prepared_static && clip >= 1 && clip < 1e9 ? int64_t(clip) : 0;
   capture.prepared_from_source = world_transform_of(object, where);
 }
 

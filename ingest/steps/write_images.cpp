@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <map>
+#include <optional>
 
 #include "ingest/files/fnv1a.h"
 #include "ingest/files/png.h"
@@ -136,32 +137,53 @@ void write_clips(const StepContext& context, Capture& capture) {
   note_object_masks(object_masks, capture);
 }
 
-/// Frames stay in their videos. Errors: InputError: these frames cannot.
-void keep_in_clips(const IngestOptions& options, Capture& capture) {
-  const auto refuse = [](const std::string& what) {
-    throw InputError("--frames-as video: " + what + "; leave the option out");
-  };
+/// Why frames cannot stay in their videos; "" where they can.
+std::string reason_against_clips(const IngestOptions& options, const Capture& capture) {
   if (capture.clips.empty() || capture.frames.front().view >= 0)
-    refuse("these frames are images, or of a camera that moves");
+    return "these frames are images, or of a camera that moves";
   for (const RigClip& clip : capture.clips)
-    if (!clip.images.empty()) refuse("camera " + clip.name + " is a sequence of images");
-  if (options.fit_exposure) refuse("--fit-exposure changes the pixels of frames");
+    if (!clip.images.empty()) return "camera " + clip.name + " is a sequence of images";
+  if (options.fit_exposure) return "--fit-exposure changes the pixels of frames";
   std::map<std::string, const CaptureFrame*> first;  // by camera
   for (const CaptureFrame& frame : capture.frames) {
     const CaptureFrame& like = *first.try_emplace(frame.frame.camera_name, &frame).first->second;
     if (frame.mask != like.mask)
-      refuse("camera " + frame.frame.camera_name + " has a mask for each frame");
+      return "camera " + frame.frame.camera_name + " has a mask for each frame";
     if (frame.frame.split != like.frame.split)
-      refuse("some frames of camera " + frame.frame.camera_name + " are held out (--test-every)");
+      return "some frames of camera " + frame.frame.camera_name + " are held out (--test-every)";
   }
-  capture.by_reference = true;
+  return "";
+}
+
+/// Seconds from the first to the last frame of the clip that is longest.
+double longest_clip(const Capture& capture) {
+  double longest = 0;
+  for (const RigClip& clip : capture.clips) {
+    std::optional<int64_t> first;
+    for (const CaptureFrame& frame : capture.frames) {
+      if (frame.frame.camera_name != clip.name || !frame.ticks) continue;
+      if (!first) first = *frame.ticks;
+      longest = std::max(longest, clip.timeline.time_base.at(*frame.ticks - *first));
+    }
+  }
+  return longest;
+}
+
+/// Whether frames stay in their videos. Errors: InputError: they are to, and cannot.
+bool stays_in_clips(const IngestOptions& options, const Capture& capture) {
+  if (options.frames_as == FramesAs::kPng) return false;
+  const std::string reason = reason_against_clips(options, capture);
+  if (options.frames_as == FramesAs::kAuto)
+    return reason.empty() && longest_clip(capture) > kLongClip;
+  if (!reason.empty()) throw InputError("--frames-as video: " + reason + "; leave the option out");
+  return true;
 }
 
 }  // namespace
 
 Capture write_images(Capture capture, const StepContext& context) {
   capture.scale = scale_of(capture, context.options);
-  if (context.options.frames_as == FramesAs::kVideo) keep_in_clips(context.options, capture);
+  capture.by_reference = stays_in_clips(context.options, capture);
   if (capture.frames.front().view < 0)
     write_clips(context, capture);
   else

@@ -1,9 +1,10 @@
-// Medians over time of 8-bit images, bit by bit, and what differs from them.
+// Medians over time of the images of a camera, and what differs from them.
 #include "recon4d/evaluation/dynamic_regions.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/base/byte_medians.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
@@ -11,33 +12,9 @@
 namespace tessera {
 namespace {
 
-/// `to` [begin, end): the lower median of the images at each of these bytes. It is the largest
-/// value that at least so many of them reach, found from its highest bit on, in runs of bytes
-/// that loops of fixed length go through in vectors.
-void lower_medians(const std::vector<const Frame*>& frames, size_t begin, size_t end, uint8_t* to) {
-  constexpr size_t kRun = 256;
-  const size_t reaching = frames.size() - (frames.size() - 1) / 2;
-  uint8_t values[DynamicRegions::kMoments][kRun] = {};
-  for (; begin < end; begin += kRun) {
-    const size_t count = std::min(kRun, end - begin);
-    for (size_t k = 0; k < frames.size(); ++k)
-      std::copy_n(frames[k]->image.data.data() + begin, count, values[k]);
-    uint8_t median[kRun] = {};
-    for (int bit = 128; bit > 0; bit /= 2) {
-      uint8_t tried[kRun], reached[kRun] = {};
-      for (size_t i = 0; i < kRun; ++i) tried[i] = uint8_t(median[i] | bit);
-      for (size_t k = 0; k < frames.size(); ++k)
-        for (size_t i = 0; i < kRun; ++i)
-          reached[i] = uint8_t(reached[i] + (values[k][i] >= tried[i] ? 1 : 0));
-      for (size_t i = 0; i < kRun; ++i) median[i] = reached[i] >= reaching ? tried[i] : median[i];
-    }
-    std::copy_n(median, count, to + begin);
-  }
-}
-
 /// At most kMoments, spread over time; none where there are too few or the camera moves.
 std::vector<const Frame*> frames_of_median(std::vector<const Frame*> frames) {
-  static_assert(DynamicRegions::kMoments < 256, "counts of them are bytes");
+  static_assert(DynamicRegions::kMoments <= kMostOfByteMedian);
   std::stable_sort(frames.begin(), frames.end(),
                    [](const Frame* a, const Frame* b) { return a->time < b->time; });
   const size_t count = std::min(frames.size(), DynamicRegions::kMoments);
@@ -49,6 +26,13 @@ std::vector<const Frame*> frames_of_median(std::vector<const Frame*> frames) {
     chosen.push_back(
         frames[size_t(even_spread(int64_t(i), int64_t(count), int64_t(frames.size())))]);
   return chosen;
+}
+
+/// What stands still in the images of a frame's camera over a longer clip; null: not known.
+const Frame* still_of(const Scene& scene, const Frame& frame) {
+  for (const Frame& still : scene.stills)
+    if (still.camera_name == frame.camera_name && still.camera == frame.camera) return &still;
+  return nullptr;
 }
 
 /// Standard deviation of the noise of an image, 8-bit units, by the quarter of its values that
@@ -91,15 +75,19 @@ DynamicRegions::DynamicRegions(const Scene& scene, Of of, const std::vector<int>
     if (of == Of::kAllFrames || frame.split == Split::kTrain) camera->second.push_back(&frame);
   }
   for (const auto& [name, of_camera] : cameras) {
-    constexpr int64_t kBytesOfTask = 1 << 15;
     const std::vector<const Frame*> chosen = frames_of_median(of_camera);
     StillCamera& camera = cameras_[name];
     std::vector<uint8_t>& median = camera.median;
     if (chosen.empty()) continue;
-    median.resize(chosen.front()->image.data.size());
-    parallel_for(int64_t(median.size()), kBytesOfTask, [&](int64_t begin, int64_t end) {
-      lower_medians(chosen, size_t(begin), size_t(end), median.data());
-    });
+    if (const Frame* still = still_of(scene, *chosen.front())) {
+      median = still->image.data;
+      camera.mask = still->mask;
+      camera.threshold = still_limit(chosen, median);
+      continue;
+    }
+    std::vector<const std::vector<uint8_t>*> images;
+    for (const Frame* frame : chosen) images.push_back(&frame->image.data);
+    median = lower_medians(images);
     camera.threshold = still_limit(chosen, median);
   }
 }
@@ -109,11 +97,15 @@ std::vector<uint8_t> DynamicRegions::mask_of(const Frame& frame) const {
   check(found != cameras_.end(), "DynamicRegions: a camera that was not asked for");
   const std::vector<uint8_t>& median = found->second.median;
   std::vector<uint8_t> moves(median.size() / 3, 0);
+  const std::vector<uint8_t>& still = found->second.mask.data();
   const auto differs = [&, most = found->second.threshold](size_t i) {
     return std::abs(int(frame.image.data[i]) - int(median[i])) > most;
   };
-  for (size_t p = 0; p < moves.size(); ++p)
-    moves[p] = differs(3 * p) || differs(3 * p + 1) || differs(3 * p + 2) ? 255 : 0;
+  for (size_t p = 0; p < moves.size(); ++p) {
+    const bool is_known = still.empty() || still[p] != 0;
+    const bool moves_here = !is_known || differs(3 * p) || differs(3 * p + 1) || differs(3 * p + 2);
+    moves[p] = moves_here ? 255 : 0;
+  }
   return moves;
 }
 

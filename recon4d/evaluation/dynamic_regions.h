@@ -10,7 +10,8 @@
 namespace tessera {
 
 /// Pixels whose truth differs from its median over time, in some channel, by more than kThreshold
-/// and by more than noise does.
+/// and by more than noise does. The median is that of Scene::stills where the scene has them, and
+/// what their masks ignore moves.
 class DynamicRegions {
  public:
   static constexpr int kThreshold = 10;   // 8-bit units
@@ -33,6 +34,7 @@ class DynamicRegions {
  private:
   struct StillCamera {
     std::vector<uint8_t> median;  // [height, width, 3], or empty
+    FrameMask mask;               // ignores pixels that do not stand still over a longer clip
     int threshold = kThreshold;
   };
   std::map<std::string, StillCamera> cameras_;

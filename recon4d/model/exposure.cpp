@@ -210,4 +210,32 @@ nlohmann::json exposure_json(const ExposureRows& rows, const ExposureState& stat
   return {{"by", name_of(options.exposure)}, {affine ? "maps" : "gains", by_name}};
 }
 
+ExposureState exposure_of_json(const nlohmann::json& json, const ExposureRows& rows,
+                               const TrainOptions& options, const std::string& where) {
+  const bool affine = options.exposure == ExposureGains::kAffine;
+  const int width = exposure_width(options.exposure);
+  ExposureState state;
+  state.reset(int64_t(rows.names.size()), width);
+  try {
+    const nlohmann::json& by_name = json.at(affine ? "maps" : "gains");
+    for (size_t r = 0; r < rows.names.size(); ++r) {
+      const nlohmann::json& stated = by_name.at(rows.names[r]);
+      float* const row = state.value.data() + size_t(width) * r;
+      for (int i = 0; affine && i < 9; ++i)
+        row[i] = stated.at("matrix").at(size_t(i % 3)).at(size_t(i / 3)).get<float>() -
+                 (i % 4 == 0 ? 1.0F : 0.0F);
+      for (int c = 0; c < 3; ++c) {
+        if (affine)
+          row[9 + c] = stated.at("offset").at(size_t(c)).get<float>();
+        else
+          row[c] = std::log(stated.at(size_t(c)).get<float>());
+      }
+    }
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(fmt::format("{}: has not the colours of all {} {}s of this training", where,
+                                 rows.names.size(), name_of(options.exposure)));
+  }
+  return state;
+}
+
 }  // namespace tessera

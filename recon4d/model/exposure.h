@@ -63,4 +63,9 @@ void step_exposure(const std::vector<int32_t>& rows, const std::vector<ColourMap
 nlohmann::json exposure_json(const ExposureRows& rows, const ExposureState& state,
                              const TrainOptions& options);
 
+/// The way back, without moments. Errors: InputError that starts with `where`: a row that `json`
+/// has not, or values of another kind.
+ExposureState exposure_of_json(const nlohmann::json& json, const ExposureRows& rows,
+                               const TrainOptions& options, const std::string& where);
+
 }  // namespace tessera

@@ -22,7 +22,8 @@ struct TrainState {
   int64_t decided = 0;    // steps done at the last decision of ModelReduction
   int64_t goal = 0;       // Gaussians that its thinning is to leave; 0: not known yet
   bool finished = false;  // the last clean-up is done
-  /// The static set stays to the bit as it is: it is drawn, and nothing else.
+  /// The static set stays to the bit as it is: it is drawn, and nothing else. So do the colours of
+  /// the training images, by which it was trained.
   bool static_is_frozen = false;
 
   /// Whether set k changes.

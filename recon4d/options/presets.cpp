@@ -197,7 +197,7 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, 
 
 SceneFacts facts_of(const Scene& scene) {
   SceneFacts facts;
-  facts.still = scene.is_static;
+  facts.still = scene.is_static && scene.static_of == 0;
   const CameraRig rig = make_camera_rig(scene.training_cameras());
   facts.extent = rig.extent;
   facts.views = int64_t(rig.cameras.size());
@@ -212,6 +212,7 @@ SceneFacts facts_of(const Scene& scene) {
   facts.cameras = std::count_if(frames.begin(), frames.end(), [&](const auto& camera) {
     return 2 * camera.second >= facts.timesteps;
   });
+  if (scene.static_of > 0) facts.timesteps = scene.static_of;
   return facts;
 }
 

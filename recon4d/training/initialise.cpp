@@ -13,6 +13,7 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/math/environment.h"
 #include "kernels/math/random.h"
 #include "recon4d/model/new_gaussian.h"
@@ -29,6 +30,7 @@ struct InitialPoint {
   std::optional<float> time;  // normalised time at which it was seen
   std::optional<bool> still;  // whether it never moves
   glm::vec3 velocity{0};      // world units per unit of normalised time
+  bool lasts = false;         // still, in a dynamic Gaussian
 };
 
 /// Uniform in the box around the focus: an object whose surroundings are known to be empty.
@@ -112,6 +114,11 @@ void thin_out(std::vector<InitialPoint>& points, int64_t limit, std::string& sou
   source += fmt::format(", subsampled to {}", limit);
 }
 
+/// Gaussians that there may be beside those of a shared set.
+int64_t room_beside(const GaussianSet* shared, int64_t limit) {
+  return shared == nullptr ? limit : std::max<int64_t>(1, limit - shared->count());
+}
+
 /// Fills Gaussian n of `set`.
 void place(const InitialPoint& point, float squared_distance, const TrainOptions& options,
            GaussianSet& set, int64_t n) {
@@ -125,11 +132,12 @@ void place(const InitialPoint& point, float squared_distance, const TrainOptions
   gaussian.log_scale = 0.5f * std::log(std::max(kMinSquaredDistance, squared_distance)) +
                        float(std::log(options.init_scale_factor));
   gaussian.opacity = options.init_opacity;
-  gaussian.time_scale = options.init_time_scale;
+  gaussian.time_scale = point.lasts ? 1 : options.init_time_scale;
   // when it was seen, else uniform over the clip and a tenth beyond either end  [method D.4]
   const RandomBlock random =
       philox(uint64_t(options.seed), RandomStream::kInitialise, uint64_t(n), 1);
-  gaussian.mean_time = point.time.value_or(1.2f * uniform(random.word[0]) - 0.1f);
+  gaussian.mean_time =
+      point.lasts ? 0.5f : point.time.value_or(1.2f * uniform(random.word[0]) - 0.1f);
   write_gaussian(gaussian, set, n);
 }
 
@@ -167,6 +175,27 @@ std::vector<uint8_t> static_choice(const std::vector<InitialPoint>& points, cons
   return chosen;
 }
 
+/// Leaves out still points that Gaussians of `shared` show: within two distances of points; all
+/// others become dynamic.
+void leave_to(const GaussianSet& shared, std::vector<InitialPoint>& points) {
+  constexpr float kSpacings = 2;
+  std::vector<glm::vec3> positions, means;
+  for (const InitialPoint& point : points) positions.push_back(point.position);
+  const GaussianSpans<const float> values = shared.values();
+  for (int64_t n = 0; n < values.count; ++n) means.push_back(load3(values.at(kMean, n)));
+  const std::vector<float> spacing = mean_squared_neighbour_distance(positions),
+                           distance = squared_distance_to_nearest(positions, means);
+  std::vector<InitialPoint> kept;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const bool is_still = points[i].still.value_or(false);
+    if (is_still && distance[i] <= kSpacings * kSpacings * spacing[i]) continue;
+    kept.push_back(points[i]);
+    kept.back().lasts = is_still;
+    kept.back().still = false;
+  }
+  points = std::move(kept);
+}
+
 /// Of the pixels that masks use; grey where there are none.
 std::array<float, 3> mean_colour(const Scene& scene) {
   std::array<double, 3> sum{};
@@ -187,18 +216,21 @@ std::array<float, 3> mean_colour(const Scene& scene) {
 }  // namespace
 
 Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
-                                const TrainOptions& options) {
+                                const TrainOptions& options, const GaussianSet* shared) {
   check(options.near_plane > 0, "initialise_model: the near plane is not resolved");
   Initialisation result;
   std::vector<InitialPoint> points = scene.points.position.empty()
                                          ? random_points(scene, rig, options, result.source)
                                          : cloud_points(scene, rig, options, result.source);
-  if (growth_limit(options) > 0) thin_out(points, growth_limit(options), result.source);
+  if (shared != nullptr) leave_to(*shared, points);
+  if (growth_limit(options) > 0)
+    thin_out(points, room_beside(shared, growth_limit(options)), result.source);
   std::vector<glm::vec3> positions;
   positions.reserve(points.size());
   for (const InitialPoint& point : points) positions.push_back(point.position);
   const std::vector<float> squared = mean_squared_neighbour_distance(positions);
-  const std::vector<uint8_t> is_static = static_choice(points, scene, options);
+  const std::vector<uint8_t> is_static = shared != nullptr ? std::vector<uint8_t>(points.size(), 0)
+                                                           : static_choice(points, scene, options);
 
   GaussianModel& model = result.model;
   const int stored = sh_coefficients(int(options.sh_degree));
@@ -213,6 +245,7 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
     GaussianSet& set = is_static[i] ? model.static_set : model.dynamic_set;
     place(points[i], squared[i], options, set, placed[size_t(is_static[i])]++);
   }
+  if (shared != nullptr) model.static_set = shared->clone_to(host_memory());
   model.time_axis = scene.time_axis;
   model.prepared_from_source = scene.prepared_from_source;
   model.background = scene.background;

@@ -15,10 +15,12 @@ struct Initialisation {
   std::string source;  // "point cloud, 1,656 points" or "random, 20,000 points in view"
 };
 
-/// Dim 4 Gaussians unless the scene or the options are static. Errors: InputError when no point
-/// remains (all carved away).
+/// Dim 4 Gaussians unless the scene or the options are static. `shared`: the static set that the
+/// model has, which a training leaves as it is; null: still points become one. Beside it all are
+/// dynamic, still ones for the whole clip, without those that it shows already. Errors: InputError
+/// when no point remains (all carved away).
 Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
-                                const TrainOptions& options);
+                                const TrainOptions& options, const GaussianSet* shared = nullptr);
 
 /// Everywhere the mean colour of the training images, with zero moments. Errors: InputError:
 /// frames with alpha, whose background is known and is no environment.

@@ -41,9 +41,16 @@ class Tree {
     split(0, int64_t(points.size()));
   }
 
-  Nearest query(int32_t i) const {
+  /// Of point i among the others.
+  Nearest of_point(int32_t i) const {
     Nearest nearest;
-    search(0, int64_t(order_.size()), i, nearest);
+    search(0, int64_t(order_.size()), points_[size_t(i)], i, nearest);
+    return nearest;
+  }
+  /// Of any place.
+  Nearest of_place(const glm::vec3& place) const {
+    Nearest nearest;
+    search(0, int64_t(order_.size()), place, -1, nearest);
     return nearest;
   }
   int32_t at(int64_t position) const { return order_[size_t(position)]; }
@@ -69,26 +76,27 @@ class Tree {
     split(middle + 1, end);
   }
 
-  void offer(int64_t position, int32_t i, Nearest& nearest) const {
+  void offer(int64_t position, const glm::vec3& place, int32_t left_out, Nearest& nearest) const {
     const int32_t other = at(position);
-    if (other == i) return;
-    const glm::vec3 d = points_[size_t(other)] - points_[size_t(i)];
+    if (other == left_out) return;
+    const glm::vec3 d = points_[size_t(other)] - place;
     nearest.offer(d.x * d.x + d.y * d.y + d.z * d.z);
   }
 
-  void search(int64_t begin, int64_t end, int32_t i, Nearest& nearest) const {
+  void search(int64_t begin, int64_t end, const glm::vec3& place, int32_t left_out,
+              Nearest& nearest) const {
     if (end - begin <= kLeaf) {
-      for (int64_t k = begin; k < end; ++k) offer(k, i, nearest);
+      for (int64_t k = begin; k < end; ++k) offer(k, place, left_out, nearest);
       return;
     }
     const int64_t middle = (begin + end) / 2;
     const int axis = axis_[size_t(middle)];
-    const float offset = points_[size_t(i)][axis] - points_[size_t(at(middle))][axis];
+    const float offset = place[axis] - points_[size_t(at(middle))][axis];
     const bool below = offset < 0;
-    search(below ? begin : middle + 1, below ? middle : end, i, nearest);
-    offer(middle, i, nearest);
+    search(below ? begin : middle + 1, below ? middle : end, place, left_out, nearest);
+    offer(middle, place, left_out, nearest);
     if (nearest.reaches(offset * offset))
-      search(below ? middle + 1 : begin, below ? end : middle, i, nearest);
+      search(below ? middle + 1 : begin, below ? end : middle, place, left_out, nearest);
   }
 
   const std::vector<glm::vec3>& points_;
@@ -103,11 +111,23 @@ std::vector<float> mean_squared_neighbour_distance(const std::vector<glm::vec3>&
   const Tree tree(points);
   parallel_for(int64_t(points.size()), kPointsOfTask, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
-      const Nearest nearest = tree.query(tree.at(k));
+      const Nearest nearest = tree.of_point(tree.at(k));
       float sum = 0;
       for (int j = 0; j < nearest.found; ++j) sum += nearest.squared[size_t(j)];
       result[size_t(tree.at(k))] = nearest.found > 0 ? sum / float(nearest.found) : 0.0f;
     }
+  });
+  return result;
+}
+
+std::vector<float> squared_distance_to_nearest(const std::vector<glm::vec3>& points,
+                                               const std::vector<glm::vec3>& others) {
+  std::vector<float> result(points.size(), std::numeric_limits<float>::infinity());
+  if (others.empty()) return result;
+  const Tree tree(others);
+  parallel_for(int64_t(points.size()), kPointsOfTask, [&](int64_t begin, int64_t end) {
+    for (auto i = size_t(begin); i < size_t(end); ++i)
+      result[i] = tree.of_place(points[i]).squared[0];
   });
   return result;
 }

@@ -11,4 +11,9 @@ namespace tessera {
 /// than four points, of those there are; one: 0.
 std::vector<float> mean_squared_neighbour_distance(const std::vector<glm::vec3>& points);
 
+/// Squared distance of each point to the nearest of `others`, world units²; infinity where there
+/// are none.
+std::vector<float> squared_distance_to_nearest(const std::vector<glm::vec3>& points,
+                                               const std::vector<glm::vec3>& others);
+
 }  // namespace tessera

@@ -60,13 +60,15 @@ std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frame
 
 }  // namespace
 
-TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source) {
+TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source,
+                         const GaussianSet* shared) {
   const ExposureRows exposed = exposure_rows(scene, training_frames(scene), options);
   TrainState state;
   state.exposure.reset(int64_t(exposed.names.size()), exposure_width(options.exposure));
   Initialisation first =
-      initialise_model(scene, make_camera_rig(scene.training_cameras()), options);
+      initialise_model(scene, make_camera_rig(scene.training_cameras()), options, shared);
   source = first.source;
+  state.static_is_frozen = shared != nullptr;
   state.model = std::move(first.model);
   if (options.environment) state.model.environment = first_environment(scene, options);
   state.model.static_set.ensure_moments();
@@ -328,7 +330,7 @@ void Trainer::complete_pending() {
         report.iteration,
         what_is_bad(outcome, state_.set(report.num_dynamic > 0 ? 1 : 0).form()) + " is"));
   }
-  if (!maps_.empty()) {
+  if (!maps_.empty() && !state_.static_is_frozen) {
     step_exposure(pending_rows_, outcome.d_maps, schedule_.exposure_rate(report.iteration - 1),
                   state_.exposure);
     maps_ = colour_maps_of(state_.exposure);

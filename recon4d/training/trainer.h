@@ -138,7 +138,9 @@ class Trainer {
   std::optional<GaussianModel> host_model_;
 };
 
-/// The state before step 0. Errors: as initialise_model and exposure_rows.
-TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source);
+/// The state before step 0. `shared`: a static set that stays as it is; null: none. Errors: as
+/// initialise_model and exposure_rows.
+TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source,
+                         const GaussianSet* shared = nullptr);
 
 }  // namespace tessera

@@ -36,7 +36,8 @@ const Words<CloudDensity> kCloudWords{{"dense", CloudDensity::kDense},
                                       {"none", CloudDensity::kNone},
                                       {"sparse", CloudDensity::kSparse}};
 const Words<FramesAs> kFramesWords{{name_of(FramesAs::kPng), FramesAs::kPng},
-                                   {name_of(FramesAs::kVideo), FramesAs::kVideo}};
+                                   {name_of(FramesAs::kVideo), FramesAs::kVideo},
+                                   {name_of(FramesAs::kAuto), FramesAs::kAuto}};
 const Words<bool> kIntrinsicsWords{{"per-camera", true}, {"shared", false}};
 const Words<PoseSource::Kind> kPoseWords{{"", PoseSource::kFound},
                                          {"colmap", PoseSource::kColmap},
@@ -109,8 +110,9 @@ void add_frame_options(CLI::App& command, IngestArguments& arguments) {
       ->delimiter(',');
   command
       .add_option("--frames-as", arguments.frames_as,
-                  "videos of fixed cameras: png (an image a frame), or video (frames are decoded "
-                  "from the source videos when the scene is loaded, and take no disk)")
+                  "videos of fixed cameras: png (an image a frame), video (frames are decoded "
+                  "from the source videos when the scene is loaded, and take no disk), or auto "
+                  "(video where the clip is longer than 20 s)")
       ->capture_default_str();
   command.add_option("--images", options.images,
                      "photos: folder of the images, for example images_4; default: images");

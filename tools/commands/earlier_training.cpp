@@ -6,6 +6,7 @@
 #include "ingest/files/atomic_file.h"
 #include "recon4d/options/train_options_json.h"
 #include "tools/live/stopped_training.h"
+#include "tools/session/static_model.h"
 
 namespace tessera {
 
@@ -15,16 +16,19 @@ using nlohmann::json;
 namespace {
 constexpr const char* kWindow = "window";
 constexpr const char* kWholeClip = "the whole clip";
+constexpr const char* kStaticModel = "static model";
+constexpr const char* kItsOwn = "trained with the rest";
 }  // namespace
 
 json asked_of_training(const TrainArguments& arguments, const PlannedOptions& planned,
-                       const std::optional<Window>& window) {
+                       const std::optional<Window>& window, const fs::path& static_model) {
   json options = to_json(planned.options);
   if (planned.with_nodes) options["with_nodes"] = to_json(*planned.with_nodes);
   return {{"preset", arguments.preset},
           {"ablation", arguments.ablation},
           {"options", std::move(options)},
-          {kWindow, window ? text_of(*window) : kWholeClip}};
+          {kWindow, window ? text_of(*window) : kWholeClip},
+          {kStaticModel, static_model.empty() ? kItsOwn : static_model_digest(static_model)}};
 }
 
 json recorded_result(const RunFolder& run) {
@@ -47,8 +51,10 @@ RunRecord record_of(const RunFolder& run, const fs::path& scene) {
     if (options.is_object() && config.value("scene", "") == fs::absolute(scene).string())
       record.request = {{"preset", config.value("preset", "")}, {"options", options}};
   }
-  if (record.request.is_object() && !record.request.contains(kWindow))
-    record.request[kWindow] = kWholeClip;  // by a version that knew no windows
+  if (record.request.is_object()) {  // by a version that knew no windows
+    record.request.emplace(kWindow, kWholeClip);
+    record.request.emplace(kStaticModel, kItsOwn);
+  }
   // a resumed training may have been given more steps than it was begun with
   if (record.finished && record.request.is_object())
     record.request["options"]["iterations"] = result.at("total_iterations");

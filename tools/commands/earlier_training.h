@@ -17,7 +17,8 @@ namespace tessera {
 /// What identifies a training beside the content of its scene, which the caller adds as
 /// kSceneFiles: neither the device, nor where files lie, nor limits of a call.
 nlohmann::json asked_of_training(const TrainArguments& arguments, const PlannedOptions& planned,
-                                 const std::optional<Window>& window = {});
+                                 const std::optional<Window>& window = {},
+                                 const std::filesystem::path& static_model = {});
 inline constexpr const char* kSceneFiles = "files of the scene";
 
 /// Its request is that of config.json. Of a training by a version that did not record it, preset,

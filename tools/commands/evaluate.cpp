@@ -22,6 +22,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/commands/object_boxes.h"
+#include "tools/commands/windows_scores.h"
 #include "tools/export/formats.h"
 #include "tools/export/image_files.h"
 #include "tools/export/output_folder.h"
@@ -223,6 +224,50 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   return scores;
 }
 
+/// Of a clip that was trained window by window.
+json evaluate_clip(const EvaluateRequest& request, const WindowsFolder& folder, Lpips* lpips,
+                   Backend& backend, std::string& text) {
+  for (const auto& [given, name] : {std::pair{!request.images.empty(), "--save-images"},
+                                    {!request.boxes.empty(), "--boxes"},
+                                    {!request.moving_masks.empty(), "--moving-masks"},
+                                    {!request.scene.empty(), "--scene"},
+                                    {!request.background.empty(), "--background"},
+                                    {request.scales != std::vector<double>{1}, "--scales"},
+                                    {request.fps, "--fps"}})
+    if (given)
+      throw InputError(fmt::format(
+          "{}: is of windows, and {} of one model; evaluate the run of a window, e.g. {}",
+          folder.root.string(), name, folder.window_run(0).string()));
+  EvaluateOptions options;
+  if (lpips != nullptr)
+    options.lpips = [lpips](const Image8& drawn, const Image8& truth) {
+      return lpips->distance(drawn, truth);
+    };
+  const auto windows = int64_t(folder.read().windows.size());
+  ProgressBar bar("evaluate");
+  json scores =
+      score_windows(backend, folder, requested_splits(request), options,
+                    [&](int64_t window, const Frame&, const RenderedImage&, const ViewScore& view) {
+                      stop_if_interrupted();
+                      bar.update(window, windows, fmt::format("{:.2f} dB", view.psnr));
+                    });
+  bar.clear();
+  if (scores.empty())
+    throw InputError(
+        fmt::format("{}: no frames are held out; pass --split train to score what was "
+                    "trained on",
+                    folder.root.string()));
+  scores["model"] = folder.root.string();
+  scores["scene"] = folder.read().scene;
+  scores["backend"] = backend.name();
+  text = fmt::format(
+      "{}\n{} windows over {} static Gaussians, {} dynamic ones in all, at most {} "
+      "at a time",
+      scores_text(scores, score_detail()), windows, scores["num_static"].get<int64_t>(),
+      scores["num_dynamic"].get<int64_t>(), scores["peak_gaussians"].get<int64_t>());
+  return scores;
+}
+
 /// Checks what can be checked before a model is read.
 void check_request(const EvaluateRequest& request) {
   for (const double scale : request.scales)
@@ -241,7 +286,8 @@ int evaluate_command(const EvaluateRequest& request) {
   const bool several = request.models.size() > 1;
   std::set<std::string> paths;
   for (const std::string& model : request.models)
-    if (several) paths.insert(fs::weakly_canonical(scene_path(request, model)).string());
+    if (several && !windows_folder_of(model).exists())
+      paths.insert(fs::weakly_canonical(scene_path(request, model)).string());
   if (paths.size() > 1)
     throw InputError(fmt::format(
         "the runs are of different scenes: {}; evaluate each scene's runs together, or pass "
@@ -254,7 +300,10 @@ int evaluate_command(const EvaluateRequest& request) {
   std::string text;
   for (const std::string& model : request.models) {
     std::string lines;
-    runs.push_back(evaluate_model(request, model, lpips ? &*lpips : nullptr, *backend, lines));
+    Lpips* const network = lpips ? &*lpips : nullptr;
+    const WindowsFolder windows = windows_folder_of(model);
+    runs.push_back(windows.exists() ? evaluate_clip(request, windows, network, *backend, lines)
+                                    : evaluate_model(request, model, network, *backend, lines));
     text += several ? fmt::format("{}\n{}\n", model, lines) : lines;
   }
   if (!several) {

@@ -14,6 +14,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/export/clean_model.h"
 #include "tools/export/formats.h"
+#include "tools/export/windows_export.h"
 #include "tools/session/model_input.h"
 
 namespace tessera {
@@ -118,11 +119,28 @@ void check_places(const ExportRequest& request, const std::filesystem::path& mod
   check_output_of_model(request.out, request.model, request.cameras);
 }
 
+/// Of a clip that was trained window by window.
+int export_clip(const ExportRequest& request, const WindowsFolder& folder) {
+  check_output_of_model(request.out, folder.root.string(), request.cameras);
+  nlohmann::json result = export_windows(request, folder);
+  result["out"] = request.out;
+  result["format"] = request.format;
+  result["model"] = folder.root.string();
+  print_result(
+      request.json, result,
+      fmt::format("{}: {} windows in {} files, {:.1f} MB; at most {} Gaussians at a time",
+                  request.out, result["windows"].get<int64_t>(), result["frames"].get<int64_t>(),
+                  result["bytes"].get<double>() / 1e6, result["peak_gaussians"].get<int64_t>()));
+  return kExitDone;
+}
+
 int export_command(const ExportRequest& request) {
   check_format(request.format);
   const TimeFormat* const in_time = find_time_format(request.format);
   check_options(request, in_time);
   set_thread_count(request.threads);
+  if (const WindowsFolder windows = windows_folder_of(request.model); windows.exists())
+    return export_clip(request, windows);
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
   check_places(request, input.file);

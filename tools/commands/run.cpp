@@ -19,6 +19,7 @@
 #include "tools/cli/training_terminal.h"
 #include "tools/commands/run_stages.h"
 #include "tools/commands/run_summary.h"
+#include "tools/commands/window_choice.h"
 #include "tools/view/view_server.h"
 
 namespace tessera {
@@ -34,6 +35,7 @@ void check_request(const RunRequest& request) {
   require_one_capture(capture, options);
   check_output_apart(request.out, capture);
   if (!opens_as_scene(capture)) layout_of(capture, options);
+  parse_windows(request.windows);
   is_cuda_chosen(request.training.backend);
 }
 
@@ -45,12 +47,18 @@ void add_run_command(CLI::App& app, Work& work) {
       "run", "reconstruct a capture: ingest, train, evaluate, export, player; repeat it to resume");
   command.add_option("capture", request->capture, "folder of videos or images")->required();
   command.add_option("-o,--out", request->out, "output folder")->required();
+  request->ingest.frames_as = name_of(FramesAs::kAuto);
   add_ingest_options(command, request->ingest);
   command
       .add_option("--export-frames", request->export_frames,
                   "number of PLY frames to write to OUT/frames, evenly from the first timestep to "
                   "the last; 0 or left out: none")
       ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--windows", request->windows,
+                  "auto, none or a length as 5s: a long clip is trained window by window; auto: "
+                  "where it is longer than 20 s or its images do not fit into the memory")
+      ->capture_default_str();
   command.add_option("--title", request->title, "title of the player's page");
   command.add_option("--description", request->description,
                      "description of the player's page, for sites where its address is posted");

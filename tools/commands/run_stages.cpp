@@ -27,10 +27,14 @@
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/commands/earlier_training.h"
+#include "tools/commands/train_windows.h"
+#include "tools/commands/window_choice.h"
+#include "tools/commands/windows_scores.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_outputs.h"
 #include "tools/export/run_successor.h"
+#include "tools/export/windows_export.h"
 #include "tools/live/live_training.h"
 #include "tools/live/stopped_training.h"
 #include "tools/live/view_child.h"
@@ -52,6 +56,7 @@ using Clock = std::chrono::steady_clock;
 IngestOptions defaults_for(const IngestOptions& options) {
   IngestOptions defaults;
   defaults.allow_static = options.allow_static;
+  if (options.frames_as == FramesAs::kAuto) defaults.frames_as = FramesAs::kAuto;
   return defaults;
 }
 
@@ -67,12 +72,14 @@ constexpr Stage kIngest{1, "ingest", "ingest"}, kTrain{2, "train", "train"},
     kEvaluate{3, "evaluate", "evaluate"}, kExport{4, "export", "export"},
     kPage{5, "page", "player"}, kReport{6, "report", "report"};
 
+constexpr const char* kWindowsKey = "windows";
 constexpr const char* kAsked = "asked";  // the entry of the request, which is done with the run
 
 /// What a run is asked for, but for what is made anew in seconds.
 json asked_of(const RunRequest& request) {
   json asked = to_json(resolve_ingest(request.ingest));
   asked["files of the capture"] = key_of(file_stamps(request.capture));
+  asked[kWindowsKey] = request.windows;
   asked.update(
       asked_of_training(request.training, resolve_options(request.training, SceneFacts{})));
   return asked;
@@ -103,6 +110,7 @@ class Runner {
     check_max_bytes(scene_.string(), planned_.options.max_bytes);
     if (const std::string note = page_bytes_note(planned_.options.max_bytes); !note.empty())
       say(note);
+    choose_windows_of_scene();
     if (!train() || !evaluate_model()) return false;
     if (!ledger_.done(kAsked, asked_)) ledger_.finish(kAsked, json::object());
     if (root_ != request_.out) take_place();
@@ -118,7 +126,7 @@ class Runner {
                            : json{{"folder", frames().string()}, {"frames", 0}, {"bytes", 0}};
     if (carries_pages()) result["player"] = ledger_.result("player");
     if (ledger_.is_finished(kReport.entry)) result["report"] = ledger_.result("report")["page"];
-    result["model"] = run_.model().string();
+    result["model"] = windows_ > 1 ? run_.root.string() : run_.model().string();
     result["metrics"] = run_.metrics().string();
     result["scene"] = scene_.string();
     result["out"] = request_.out.string();
@@ -209,15 +217,47 @@ class Runner {
     ledger_.adopt(kIngest.entry, before);
   }
 
-  bool train() {
-    json inputs = asked_of_training(request_.training, planned_);
-    inputs[kSceneFiles] = scene_key_;
-    const RunPlan plan = plan_run({fs::exists(run_.checkpoint()), fs::exists(run_.model()),
-                                   ledger_.is_finished(kTrain.entry), ledger_.inputs(kTrain.entry)},
-                                  inputs, request_.overwrite);
+  void choose_windows_of_scene() {
+    const WindowChoice choice = choose_windows(
+        parse_windows(request_.windows), load_scene(scene_, scene_options()), machine_memory());
+    if (!choice.reason.empty()) say(choice.reason);
+    windows_ = choice.count;
+  }
+
+  /// A finished training of another request is refused, or replaced where that is asked for.
+  void check_finished(const RunPlan& plan) const {
     if (plan.action == RunAction::kRefuse) throw finished_run_error(request_.out, plan.changed);
     // a successor that is finished and not in its place yet is no result of anybody
     if (plan.action == RunAction::kReplace && root_ == request_.out) throw Replaces{};
+  }
+
+  bool train_windows_of_scene(json inputs) {
+    inputs[kWindowsKey] = windows_;
+    const fs::path plan = WindowsFolder{run_.root}.plan_file();
+    check_finished(plan_run(
+        {false, fs::exists(plan), ledger_.is_finished(kTrain.entry), ledger_.inputs(kTrain.entry)},
+        inputs, request_.overwrite));
+    return do_stage(kTrain, inputs, plan, [&]() -> std::optional<json> {
+      WindowsRequest windows;
+      windows.scene = scene_;
+      windows.root = run_.root;
+      windows.arguments = request_.training;
+      windows.count = windows_;
+      json result = train_windows(windows);
+      if (interrupted() || result["left"].get<bool>()) return {};
+      say(windows_text(result));
+      return result;
+    });
+  }
+
+  bool train() {
+    json inputs = asked_of_training(request_.training, planned_);
+    inputs[kSceneFiles] = scene_key_;
+    if (windows_ > 1) return train_windows_of_scene(std::move(inputs));
+    const RunPlan plan = plan_run({fs::exists(run_.checkpoint()), fs::exists(run_.model()),
+                                   ledger_.is_finished(kTrain.entry), ledger_.inputs(kTrain.entry)},
+                                  inputs, request_.overwrite);
+    check_finished(plan);
     const json made_for = json::parse(run_.made_for(), nullptr, false);
     resumes_ = plan.action == RunAction::kResume && made_for.is_object() &&
                changes(made_for, inputs).empty();
@@ -264,6 +304,7 @@ class Runner {
   }
 
   bool evaluate_model() {
+    if (windows_ > 1) return evaluate_windows();
     return do_stage(kEvaluate, of_training({}), run_.metrics(), [&] {
       const GaussianModel model = load_model(run_.model());
       const Scene scene = scaled_scene(
@@ -277,6 +318,22 @@ class Runner {
             stop_if_interrupted();
             bar.update(done, total, fmt::format("{:.2f} dB", view.psnr));
           });
+      write_text_file(run_.metrics(), scores.dump(2));
+      return std::optional(scores);
+    });
+  }
+
+  bool evaluate_windows() {
+    return do_stage(kEvaluate, of_training({}), run_.metrics(), [&] {
+      const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
+      ProgressBar bar("evaluate");
+      const json scores = score_windows(
+          *backend, WindowsFolder{run_.root}, kHeldOutSplits, {},
+          [&](int64_t window, const Frame&, const RenderedImage&, const ViewScore& view) {
+            stop_if_interrupted();
+            bar.update(window, windows_, fmt::format("{:.2f} dB", view.psnr));
+          });
+      bar.clear();
       write_text_file(run_.metrics(), scores.dump(2));
       return std::optional(scores);
     });
@@ -300,6 +357,12 @@ class Runner {
                         frames().string()));
       return true;
     }
+    if (windows_ > 1) {
+      warn(
+          kExport.message(": PLY frames are of one model; `tessera export` writes those of a "
+                          "window"));
+      return true;
+    }
     return do_stage(
         kExport, of_training({{"export_frames", request_.export_frames}}),
         frames() / "manifest.json",
@@ -316,9 +379,34 @@ class Runner {
     return do_stage(kPage,
                     of_training({{"title", request_.title}, {"description", request_.description}}),
                     folder / kPageFile, [&] {
+                      if (windows_ > 1) return std::optional(write_windows_player(folder));
                       return std::optional(
                           write_run_player(run_, folder, request_.title, request_.description));
                     });
+  }
+
+  json write_windows_player(const fs::path& folder) const {
+    ExportRequest page;
+    page.model = run_.root.string();
+    page.out = folder.string();
+    page.overwrite = true;
+    page.format = "page";
+    page.title = request_.title;
+    page.description = request_.description;
+    page.poster = "auto";
+    json written = export_windows(page, WindowsFolder{run_.root});
+    written["folder"] = folder.string();
+    written["format"] = page.format;
+    written["floaters"] = nullptr;
+    return written;
+  }
+
+  /// The runs that the report shows: of a clip in windows each of them.
+  std::vector<fs::path> reported_runs() const {
+    if (windows_ <= 1) return {root_};
+    std::vector<fs::path> runs;
+    for (int64_t i = 0; i < windows_; ++i) runs.push_back(WindowsFolder{run_.root}.window_run(i));
+    return runs;
   }
 
   fs::path report_file() const { return root_ / "report" / "report.json"; }
@@ -328,10 +416,10 @@ class Runner {
     const json inputs = of_training({{"export_frames", request_.export_frames}});
     try {
       return do_stage(kReport, inputs, report_file(), [&] {
-        return std::optional(json{{"page", write_run_report({{root_}, {}, [&] {
-                                                               return make_backend(
-                                                                   request_.training.backend);
-                                                             }})["page"]}});
+        return std::optional(json{
+            {"page",
+             write_run_report({reported_runs(), windows_ > 1 ? root_ / "report" : fs::path(),
+                               [&] { return make_backend(request_.training.backend); }})["page"]}});
       });
     } catch (const InputError& error) {
       warn(kReport.message(fmt::format(": not written: {}", error.what())));
@@ -350,6 +438,7 @@ class Runner {
   fs::path scene_;
   std::string scene_key_, made_for_;
   bool resumes_ = false;
+  int64_t windows_ = 1;  // of the clip
   const Clock::time_point begin_ = Clock::now();
   std::map<std::string, double> seconds_;  // by the names of the stages that ran
 };
@@ -363,10 +452,11 @@ std::optional<json> run_stages(const RunRequest& request, std::unique_ptr<ViewCh
   finish_move(request.out);
   const StageLedger ledger(request.out / "stages.json");
   const RunFolder run{request.out / "run"};
-  const bool is_finished = ledger.is_finished(kTrain.entry) && fs::exists(run.model());
-  const RunPlan plan = plan_run(
-      {fs::exists(run.checkpoint()), fs::exists(run.model()), is_finished, ledger.inputs(kAsked)},
-      asked, request.overwrite);
+  const bool has_model = fs::exists(run.model()) || WindowsFolder{run.root}.exists();
+  const bool is_finished = ledger.is_finished(kTrain.entry) && has_model;
+  const RunPlan plan =
+      plan_run({fs::exists(run.checkpoint()), has_model, is_finished, ledger.inputs(kAsked)}, asked,
+               request.overwrite);
   if (plan.action == RunAction::kRefuse) throw finished_run_error(request.out, plan.changed);
   const fs::path next = request.out / kNext;
   const auto run_in = [&](const fs::path& root) -> std::optional<json> {

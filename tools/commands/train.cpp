@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/model/checkpoint.h"
@@ -22,12 +23,15 @@
 #include "tools/cli/train_arguments.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/commands/earlier_training.h"
+#include "tools/commands/train_windows.h"
+#include "tools/commands/window_choice.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_successor.h"
 #include "tools/live/live_training.h"
 #include "tools/live/stopped_training.h"
 #include "tools/live/view_child.h"
+#include "tools/session/device_choice.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/time_limit.h"
@@ -167,6 +171,47 @@ bool plan_training(TrainRequest& request, const fs::path& place, TrainingTermina
   return true;
 }
 
+struct Parsed {
+  TrainRequest request;
+  TrainArguments arguments;
+  bool json = false, view = false;
+  std::string resume, window, windows = "none", time_limit;
+  int64_t stop_after = 0;
+};
+
+/// --windows of more than one: the exit code; nothing where the clip is trained as a whole.
+std::optional<int> train_in_windows(const Parsed& parsed) {
+  const WindowWish wish = parse_windows(parsed.windows);
+  const TrainRequest& request = parsed.request;
+  if (wish.kind == WindowWish::Kind::kNone) return std::nullopt;
+  SceneOptions options;
+  options.load_pixels = false;
+  options.allow_static = true;
+  const WindowChoice choice =
+      choose_windows(wish, load_scene(request.scene, options), machine_memory());
+  if (!choice.reason.empty()) say(choice.reason);
+  if (choice.count <= 1) return std::nullopt;
+  for (const auto& [given, name] : {std::pair{!parsed.window.empty(), "--window"},
+                                    {!request.static_model.empty(), "--static-model"},
+                                    {request.overwrite, "--overwrite"},
+                                    {parsed.resume == "true", "--resume"},
+                                    {parsed.view, "--view"},
+                                    {parsed.stop_after > 0, "--stop-after"}})
+    if (given)
+      throw InputError(fmt::format(
+          "--windows: {} is of one training; leave it out (the same command resumes)", name));
+  WindowsRequest windows;
+  windows.scene = request.scene;
+  windows.root = request.run;
+  windows.arguments = parsed.arguments;
+  windows.count = choice.count;
+  windows.time_limit = request.time_limit;
+  windows.stopwatch = request.stopwatch;
+  const nlohmann::json result = train_windows(windows);
+  print_result(parsed.json, result, windows_text(result));
+  return interrupted() ? stop_code() : result["left"].get<bool>() ? kExitNotFinished : kExitDone;
+}
+
 /// The exit code. `decides`: --resume=auto.
 int train_and_report(TrainRequest request, bool decides, bool as_json, bool with_view) {
   try {
@@ -195,13 +240,6 @@ int train_and_report(TrainRequest request, bool decides, bool as_json, bool with
 }  // namespace
 
 void add_train_command(CLI::App& app, Work& work) {
-  struct Parsed {
-    TrainRequest request;
-    TrainArguments arguments;
-    bool json = false, view = false;
-    std::string resume, window, time_limit;
-    int64_t stop_after = 0;
-  };
   const auto parsed = std::make_shared<Parsed>();
   CLI::App& command =
       *app.add_subcommand("train", "train a model from a prepared scene or a D-NeRF folder");
@@ -220,6 +258,12 @@ void add_train_command(CLI::App& app, Work& work) {
                      "stop with a checkpoint and exit code 75 before this time: 1h30m");
   command.add_option("--window", parsed->window,
                      "I/N: the I-th of N equal parts of the clip alone");
+  command
+      .add_option("--windows", parsed->windows,
+                  "auto, none, or a length: the whole clip in windows, 5s")
+      ->capture_default_str();
+  command.add_option("--static-model", parsed->request.static_model,
+                     "run folder whose static Gaussians all windows share");
   command.add_flag("--view", parsed->view, "show the training in a browser: tessera view RUN");
   command.add_flag("--json", parsed->json, "print one JSON object");
   add_train_options(command, parsed->arguments);
@@ -235,6 +279,7 @@ void add_train_command(CLI::App& app, Work& work) {
       const TrainArguments& arguments = parsed->arguments;
       set_thread_count(arguments.threads);
       check_output_apart(request.run, request.scene);
+      if (const std::optional<int> done = train_in_windows(*parsed)) return *done;
       PlannedOptions planned = resolve_options(arguments, request.scene, request.window);
       if (request.resume) {
         const RunFolder run{request.run};
@@ -244,9 +289,11 @@ void add_train_command(CLI::App& app, Work& work) {
               parsed->window,
               run.window() ? "with window " + text_of(*run.window()) : "with the whole scene"));
         request.window = run.window();
+        request.static_model = run.static_model();
         request.made_for = run.made_for();
       } else {
-        nlohmann::json asked = asked_of_training(arguments, planned, request.window);
+        nlohmann::json asked =
+            asked_of_training(arguments, planned, request.window, request.static_model);
         asked[kSceneFiles] = key_of(file_stamps(request.scene));
         request.made_for = asked.dump();
       }

@@ -4,6 +4,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ingest/files/atomic_file.h"
@@ -26,6 +27,8 @@ class OutputFolder {
   /// Where the files go until `finish`.
   const std::filesystem::path& staging() const { return staging_; }
   std::filesystem::path path(const std::string& file) const { return staging_ / file; }
+  /// A further file, of a name that was not known before it was written.
+  void add(std::string file) { files_.push_back(std::move(file)); }
   /// Gives the files their places, removes those of an earlier run that are not among them, marks
   /// the manifest as complete. A kill in between leaves a manifest that is marked as not complete.
   void finish();

@@ -8,6 +8,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "tools/session/run_folder.h"
+#include "tools/session/windows_folder.h"
 
 namespace tessera {
 namespace {
@@ -42,11 +43,21 @@ void follow(const fs::path& file, const fs::path& from, const fs::path& out) {
   write_text_file(file, value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
+/// The same of a clip that was trained window by window.
+void follow_windows(const fs::path& run, const fs::path& from, const fs::path& out) {
+  const WindowsFolder folder{run};
+  if (!folder.exists()) return;
+  follow(folder.plan_file(), from, out);
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(run))
+    if (entry.path().filename() == "config.json") follow(entry.path(), from, out);
+}
+
 void remove_previous(const fs::path& previous) {
   std::error_code ignored;
   fs::remove_all(previous / "scene", ignored);
   fs::remove(previous / "stages.json", ignored);
   const RunFolder run{previous / "run"};
+  WindowsFolder{run.root}.remove();
   run.remove_files();
   run.remove_leftovers();
   fs::remove(run.root / "lock", ignored);
@@ -75,6 +86,7 @@ void move_successor(const fs::path& from, const fs::path& out) {
     rename_or_fail(from / entry, out / entry);
   }
   follow(out / "run" / "config.json", from, out);
+  follow_windows(out / "run", from, out);
   follow(out / "stages.json", from, out);
   remove_previous(previous);
   fs::remove_all(from, ignored);

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <tuple>
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
@@ -13,6 +14,12 @@ namespace tessera {
 
 std::string RunFolder::scene() const {
   return exists() ? read_config().value("scene", "") : "";
+}
+
+std::string RunFolder::static_model() const {
+  if (!exists()) return "";
+  const nlohmann::json shared = read_config().value("static_model", nlohmann::json::object());
+  return shared.is_object() ? shared.value("run", "") : "";
 }
 
 std::optional<Window> RunFolder::window() const {
@@ -98,12 +105,19 @@ std::string scene_of_model(const std::filesystem::path& model) {
   const RunFolder run = run_of_model(model);
   const std::string scene = run.scene();
   if (scene.empty() || std::filesystem::exists(scene)) return scene;
+  const std::filesystem::path name = std::filesystem::path(scene).filename();
   const std::filesystem::path root = std::filesystem::absolute(run.root / "").parent_path();
-  const std::filesystem::path beside = root.parent_path() / "scene";
-  const bool of_a_run = root.filename() == "run" &&
-                        std::filesystem::path(scene).filename() == "scene" &&
-                        std::filesystem::exists(beside / "transforms.json");
-  return of_a_run ? beside.string() : "";
+  // of an OUT of `tessera run`, and of the windows of a clip in its run/
+  for (const auto& [inner, outer, scene_name] :
+       {std::tuple{"run", root.parent_path(), "scene"},
+        {"static", root.parent_path(), "static_scene"},
+        {"", root.parent_path().parent_path().parent_path(), "scene"}}) {
+    const bool is_window = root.parent_path().filename() == "windows";
+    const bool fits = std::string(inner).empty() ? is_window : root.filename() == inner;
+    if (fits && name == scene_name && std::filesystem::exists(outer / name / "transforms.json"))
+      return (outer / name).string();
+  }
+  return "";
 }
 
 std::optional<Window> core_of_model(const std::filesystem::path& model,

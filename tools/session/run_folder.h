@@ -30,6 +30,8 @@ struct RunFolder {
   std::string scene() const;
   /// The part of the scene that was trained on; nothing: all of it.
   std::optional<Window> window() const;
+  /// The run whose static set a training has left as it was; "" where it has trained its own.
+  std::string static_model() const;
   /// What `made_for` of the training's request was (train_session.h); "" where no training has
   /// written here, or its config.json is damaged.
   std::string made_for() const;

@@ -69,8 +69,7 @@ class Session {
     if (const int64_t best = validation_->record().best_iteration; best > 0)
       validation_->restore_best(writer_.read_best(best));
     std::string source = "checkpoint";
-    TrainState state =
-        previous ? std::move(previous->state) : initial_state(setup_.scene, options(), source);
+    TrainState state = previous ? std::move(previous->state) : first_state(source);
     if (!previous) {
       state.seconds = setup_.motion_seconds;  // training that the model needs
       writer_.replace_previous_run(setup_.config);
@@ -100,6 +99,15 @@ class Session {
     reduction_.emplace(backend, options(), request_.shipped_bytes);
     stages_.emplace(backend);
     if (request_.snapshots != nullptr) request_.snapshots->begin(setup_.scene, options());
+  }
+
+  TrainState first_state(std::string& source) const {
+    const std::optional<StaticModel>& shared = setup_.shared;
+    if (!shared) return initial_state(setup_.scene, options(), source);
+    TrainState state = initial_state(setup_.scene, options(), source, &shared->model.static_set);
+    if (state.exposure.rows() > 0)
+      state.exposure = shared_exposure(*shared, setup_.scene, options());
+    return state;
   }
 
   void train() {

@@ -22,6 +22,7 @@ struct TrainRequest {
   TrainOptions options;
   std::optional<TrainOptions> with_nodes;  // PlannedOptions::with_nodes
   std::optional<Window> window;            // of the scene; nothing: all of it
+  std::filesystem::path static_model;      // of static_model.h; empty: static Gaussians are trained
   std::string preset, ablation, backend = "auto";
   bool resume = false;
   bool overwrite = false;                   // an existing run folder may be replaced

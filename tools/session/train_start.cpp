@@ -119,6 +119,9 @@ json make_config(const TrainRequest& request, const PlannedOptions& planned, con
                  {"seed", options.seed},
                  {"made_for", request.made_for}};
   if (request.window) config["window"] = text_of(*request.window);
+  if (!request.static_model.empty())
+    config["static_model"] = {{"run", std::filesystem::absolute(request.static_model).string()},
+                              {"digest", static_model_digest(request.static_model)}};
   // of a training that was stopped before it knew its motion
   if (options.motion == Motion::kAuto && planned.with_nodes)
     config["with_nodes"] = to_json(*planned.with_nodes);
@@ -167,7 +170,7 @@ std::optional<std::string> resolve_exposure(const Scene& scene, TrainOptions& op
   constexpr double kVisible = 0.03;
   if (options.exposure != ExposureGains::kAuto) return std::nullopt;
   options.exposure = ExposureGains::kNone;
-  if (scene.is_static || scene.had_alpha) return std::nullopt;
+  if ((scene.is_static && scene.static_of == 0) || scene.had_alpha) return std::nullopt;
   const std::vector<CameraGain> gains = measured_gains(scene);
   const auto known = std::count_if(gains.begin(), gains.end(), [](const CameraGain& camera) {
     return camera.pairs >= kLeastColourPairs;

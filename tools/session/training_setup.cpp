@@ -72,9 +72,20 @@ void complete_by_images(TrainingSetup& setup, const TrainRequest& request, doubl
   for (const std::string& warning : warnings) warn(warning);
   for (const std::string& found : resolve_by_cloud(scene, setup.options))
     observer.on_message(found);
+  if (setup.shared && setup.options.peak_gaussians > 0)  // the limit is of those beside it
+    setup.options.peak_gaussians += setup.shared->model.static_set.count();
   // refuses what cannot be learned before motion is tried
   exposure_rows(scene, scene.split_indices(Split::kTrain), setup.options);
   wall.time(WallSplit::kTrial, [&] { complete_motion(setup, request, motion_seconds, observer); });
+}
+
+/// What the windows of a clip share. A resumed training has the static set and the options already.
+void share_static(TrainingSetup& setup, const TrainRequest& request) {
+  if (request.static_model.empty()) return;
+  setup.shared = load_static_model(request.static_model);
+  check_world(*setup.shared, setup.scene);
+  setup.scene.stills = setup.shared->stills;
+  if (!setup.previous) adopt_rules(*setup.shared, setup.options);
 }
 
 /// The device starts while the scene is read. What is wrong with the scene is said first.
@@ -135,6 +146,7 @@ void complete_setup(TrainingSetup& setup, const TrainRequest& request, const Run
   constexpr double kShareOfMotion = 0.25;
   TrainOptions& options = setup.options;
   load_beside_device(setup, request, wall);
+  wall.time(WallSplit::kLoad, [&] { share_static(setup, request); });
   for (const std::string& warning : training_warnings(setup.scene, options)) warn(warning);
   setup.validation_views =
       hold_out_validation(setup.scene, options.validation_share, uint64_t(options.seed));

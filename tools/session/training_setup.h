@@ -9,6 +9,7 @@
 
 #include "tools/session/device_choice.h"
 #include "tools/session/session_times.h"
+#include "tools/session/static_model.h"
 #include "tools/session/train_start.h"
 
 namespace tessera {
@@ -18,6 +19,7 @@ struct TrainingSetup {
   TrainOptions options;
   std::optional<TrainOptions> with_nodes;  // PlannedOptions::with_nodes
   Scene scene;
+  std::optional<StaticModel> shared;  // whose static set the training leaves as it is
   std::unique_ptr<Backend> backend;
   DeviceChoice choice;
   nlohmann::json config;

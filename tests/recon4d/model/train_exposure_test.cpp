@@ -219,5 +219,31 @@ TEST(TrainExposure, JsonNamesTheCameras) {
   EXPECT_EQ(json["gains"]["ring3"], nlohmann::json({1.0, 1.0, 1.0}));
 }
 
+// Finds: gains stored as they are, not their logarithms; a matrix that is transposed; a camera that
+// is not there taken for 1.
+TEST(Exposure, ComesBackFromItsJson) {
+  for (const ExposureGains kind : {ExposureGains::kCamera, ExposureGains::kAffine}) {
+    TrainOptions options;
+    options.exposure = kind;
+    ExposureState state;
+    state.reset(3, exposure_width(kind));
+    Random random(3);
+    for (float& value : state.value) value = float(random.uniform(-0.2, 0.2));
+    ExposureRows rows{{}, {"a", "b", "c"}};
+    const nlohmann::json json = exposure_json(rows, state, options);
+    rows.names = {"c", "a", "b"};
+    const auto maps = colour_maps_of(state),
+               back = colour_maps_of(exposure_of_json(json, rows, options, "exposure.json"));
+    for (size_t r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(back[(r + 1) % 3].offset[c], maps[r].offset[c], 1e-5);
+        for (int d = 0; d < 3; ++d)
+          EXPECT_NEAR(back[(r + 1) % 3].matrix[c][d], maps[r].matrix[c][d], 1e-5);
+      }
+    rows.names = {"a", "d"};
+    EXPECT_THROW(exposure_of_json(json, rows, options, "exposure.json"), InputError);
+  }
+}
+
 }  // namespace
 }  // namespace tessera::testing

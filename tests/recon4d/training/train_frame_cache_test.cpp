@@ -162,6 +162,29 @@ TEST(FrameCache, MovingPixelsAreMarked) {
   EXPECT_TRUE(shared[1].data().empty());
 }
 
+// Finds: the median of the window in place of the still image (who stands still all along counts as
+// still); what the still image does not know counts as still; a still image of another camera.
+TEST(MovingMasks, AreByTheStillImageOfALongerClip) {
+  Scene scene;
+  for (int t = 0; t < 4; ++t) {
+    Frame frame;
+    frame.camera_name = "cam";
+    frame.time = t / 3.0;
+    frame.image = {2, 2, 3, std::vector<uint8_t>(12, 100)};
+    for (size_t c = 0; c < 3; ++c) frame.image.data[c] = 200;  // somebody, in every frame
+    scene.frames.push_back(std::move(frame));
+  }
+  EXPECT_EQ(moving_masks(scene, {0})[0].data(), std::vector<uint8_t>(4, 1));
+  Frame still = scene.frames[0];
+  still.image.data.assign(12, 100);
+  still.mask = Image8{2, 2, 1, {255, 255, 255, 0}};
+  scene.stills = {still};
+  EXPECT_EQ(moving_masks(scene, {0})[0].data(),
+            (std::vector<uint8_t>{kMovingPixel, 1, 1, kMovingPixel}));
+  scene.stills[0].camera.translation.x = 1;
+  EXPECT_EQ(moving_masks(scene, {0})[0].data(), std::vector<uint8_t>(4, 1));
+}
+
 TEST(FrameCache, TheBudgetDecides) {
   const Scene scene = patterned();
   const auto ring = [&](int64_t free, int64_t budget) {

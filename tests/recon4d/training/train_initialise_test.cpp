@@ -292,5 +292,42 @@ TEST(Initialise, OnePointAndNone) {
   EXPECT_EQ(initialise(scene_with_cloud(5), options).model.count(), 0);
 }
 
+// Finds: still points that the shared set shows placed again; others static; a shared set that is
+// changed; still points beyond it for a few frames alone.
+TEST(Initialise, BesideASharedStaticSetAllIsDynamic) {
+  Scene scene = scene_with_cloud(40);
+  scene.points.still.assign(40, 0);
+  scene.points.time.assign(40, 0.25F);
+  for (size_t i = 0; i < 20; ++i) scene.points.still[i] = 1;
+  const glm::vec3 away(5, 0, 0);
+  for (size_t i = 10; i < 20; ++i) scene.points.position[i] += away;  // what the set has not
+  TrainOptions options;
+  options.split_by_motion = true;
+  options.init_time_scale = 0.05;
+  const Initialisation alone = initialise(scene, options);
+  GaussianSet shared(SetForm::kStatic, sh_coefficients(int(options.sh_degree)));
+  shared.resize(10);
+  for (int64_t n = 0; n < 10; ++n)
+    for (int k = 0; k < 3; ++k)
+      shared.values().at(kMean, n)[k] = scene.points.position[size_t(n)][k] + 0.001F;
+  const GaussianModel model =
+      initialise_model(scene, make_camera_rig(scene.training_cameras()), options, &shared).model;
+  ASSERT_EQ(model.static_set.count(), 10);
+  EXPECT_EQ(model.static_set.values().at(kMean, 3)[0], shared.values().at(kMean, 3)[0]);
+  int64_t lasting = 0, brief = 0;
+  const GaussianSpans<const float> moving = std::as_const(model.dynamic_set).values();
+  for (int64_t n = 0; n < moving.count; ++n) {
+    const float scale = std::exp(*moving.at(kLogScaleTime, n));
+    (scale > 0.9F ? lasting : brief) += 1;
+    if (scale > 0.9F) {
+      EXPECT_NEAR(scale, 1, 1e-5);
+      EXPECT_GT(moving.at(kMean, n)[0], 4);
+    }
+  }
+  EXPECT_EQ(lasting, 10);
+  EXPECT_GE(brief, 20) << "and those at random";
+  EXPECT_LT(alone.model.dynamic_set.count(), moving.count);
+}
+
 }  // namespace
 }  // namespace tessera

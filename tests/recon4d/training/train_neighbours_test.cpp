@@ -1,6 +1,9 @@
 // Neighbour distances against all pairs.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "recon4d/training/nearest_points.h"
 #include "tests/recon4d/model/neighbour_distance.h"
 #include "tests/support/random.h"
@@ -24,6 +27,26 @@ TEST(NearestPoints, EqualsBruteForce) {
     for (size_t i = 0; i < found.size(); ++i)
       EXPECT_NEAR(found[i], expected[i], 1e-6 * expected[i]) << count << " points, " << i;
   }
+}
+
+// Finds: a point left out of the others because of its number; distances instead of their squares.
+TEST(NearestPoints, OfOthers) {
+  Random random(5);
+  std::vector<glm::vec3> points, others;
+  for (int i = 0; i < 60; ++i)
+    points.push_back({random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+  for (int i = 0; i < 400; ++i)
+    others.push_back({random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+  const std::vector<float> found = squared_distance_to_nearest(points, others);
+  for (size_t i = 0; i < points.size(); ++i) {
+    float least = 100;
+    for (const glm::vec3& other : others) {
+      const glm::vec3 d = other - points[i];
+      least = std::min(least, d.x * d.x + d.y * d.y + d.z * d.z);
+    }
+    EXPECT_NEAR(found[i], least, 1e-6F) << i;
+  }
+  EXPECT_TRUE(std::isinf(squared_distance_to_nearest(points, {})[0]));
 }
 
 TEST(NearestPoints, PointsOnAGridAndOnOneSpot) {

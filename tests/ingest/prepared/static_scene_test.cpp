@@ -1,0 +1,158 @@
+// The background that all windows of a long clip share: what is in it, what its masks leave out,
+// and which captures have none.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/png.h"
+#include "ingest/files/point_cloud.h"
+#include "ingest/prepared/scene_reader.h"
+#include "ingest/prepared/static_scene.h"
+#include "tests/ingest/layouts/capture_fixture.h"
+
+namespace tessera {
+namespace {
+
+using namespace tessera::testing;
+using nlohmann::json;
+
+constexpr int kWidth = 24, kHeight = 16, kMoments = 80;
+
+/// Grey of a place that stands still.
+uint8_t wall(int x, int y) {
+  return uint8_t(60 + 5 * x + 3 * y);
+}
+
+/// A white ball of 3 × 3 crosses the upper rows of a wall; a box stands in the lower left until
+/// three quarters of the clip are over, then in the lower right.
+Image8 image_of(int frame) {
+  Image8 image{kWidth, kHeight, 3, {}};
+  const int ball = frame % kWidth, box = frame < 3 * kMoments / 4 ? 2 : 18;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const bool in_ball = y < 3 && x >= ball && x < ball + 3;
+      const bool in_box = y >= 12 && x >= box && x < box + 3;
+      const uint8_t grey = in_ball ? 255 : in_box ? 10 : wall(x, y);
+      image.data.insert(image.data.end(), {grey, uint8_t(grey + frame % 3), grey});
+    }
+  return image;
+}
+
+class AStaticScene : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (int c = 0; c < 2; ++c)
+      for (int i = 0; i < kMoments; ++i) add(c, i, image_of(i));
+    Image8 mask{kWidth, kHeight, 1, std::vector<uint8_t>(size_t{kWidth} * kHeight, 255)};
+    for (int y = 0; y < kHeight; ++y) mask.data[size_t(y * kWidth)] = 0;
+    write_png(folder_ / "scene/masks/left.png", mask);
+    write();
+  }
+  void add(int c, int i, const Image8& image) {
+    const std::string name = fmt::format("cam{:02}/{:05}.png", c, i);
+    write_png(folder_ / ("scene/" + name), image);
+    frames_.push_back({{"file_path", name},
+                       {"split", c == 0 ? "train" : "test"},
+                       {"time", i / double(kMoments - 1)},
+                       {"w", kWidth},
+                       {"h", kHeight},
+                       {"fl_x", 30},
+                       {"fl_y", 30},
+                       {"cx", 12},
+                       {"cy", 8},
+                       {"transform_matrix", gl_matrix(looking_at_origin({4.0 + c, 0.0, 0.0}))},
+                       {"tessera", {{"camera", fmt::format("cam{:02}", c)}, {"frame", i}}}});
+    if (c == 0) frames_.back()["mask_path"] = "masks/left.png";
+  }
+  void write() {
+    const json tessera{
+        {"format_version", 1},
+        {"layout", "rig"},
+        {"applied", {{"masks", "black ignored"}}},
+        {"time", {{"base", {1, 30}}, {"origin", 3}, {"duration", 5.3}, {"static", false}}}};
+    write_bytes(folder_ / "scene/transforms.json", json{{"camera_model", "PINHOLE"},
+                                                        {"ply_file_path", "points.ply"},
+                                                        {"tessera", tessera},
+                                                        {"frames", frames_}}
+                                                       .dump());
+    write_points(folder_ / "scene/points.ply", points_);
+  }
+  StaticSceneReport make() {
+    return write_static_scene(folder_ / "scene", folder_ / "static", [](int64_t, int64_t) {});
+  }
+  Scene read() const {
+    SceneOptions options;
+    options.allow_static = true;
+    return load_scene(folder_ / "static", options);
+  }
+
+  TemporaryFolder folder_;
+  json frames_ = json::array();
+  PointCloud points_{
+      {{0, 0, 0}, {0, 0, 0.1F}, {0, 100, 0}}, {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, {}, {1, 0, 1}};
+};
+
+// Finds: one median of the whole clip (the box that is moved stays in it); a ball that passes in
+// the image; masks of the scene that are dropped; the test camera left out; several frames a
+// camera.
+TEST_F(AStaticScene, HasWhatStaysAndMasksWhatIsMoved) {
+  const StaticSceneReport report = make();
+  EXPECT_EQ(report.cameras, 2);
+  EXPECT_TRUE(report.warnings.empty());
+  const Scene scene = read();
+  EXPECT_TRUE(scene.is_static);
+  EXPECT_EQ(scene.static_of, kMoments);
+  EXPECT_EQ(scene.time_axis.origin, 3);
+  ASSERT_EQ(scene.frames.size(), 2u);
+  EXPECT_EQ(scene.frames[0].split, Split::kTrain);
+  EXPECT_EQ(scene.frames[1].split, Split::kTest);
+  int64_t shared = 0, used = 0;
+  for (const Frame& frame : scene.frames)
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const bool is_masked = frame.camera_name == "cam00" && x == 0;
+        const bool moved = y >= 12 && ((x >= 2 && x < 5) || (x >= 18 && x < 21));
+        EXPECT_EQ(frame.mask.ignores(x, y), is_masked || moved) << x << " " << y;
+        used += !is_masked;
+        shared += !is_masked && !moved;
+        if (moved) continue;
+        EXPECT_EQ(int(frame.image.data[3 * size_t(y * kWidth + x)]), int(wall(x, y)));
+      }
+  EXPECT_NEAR(report.shared, double(shared) / double(used), 1e-12);
+}
+
+// Finds: points that move; points that no image shows; times of points, which a static cloud lacks.
+TEST_F(AStaticScene, HasThePointsThatStandStillAndAreShown) {
+  make();
+  const Scene scene = read();
+  ASSERT_EQ(scene.points.position.size(), 1u);
+  EXPECT_EQ(scene.points.colour[0], (std::array<uint8_t, 3>{1, 2, 3}));
+  EXPECT_TRUE(scene.points.time.empty());
+}
+
+// Finds: nothing said of light that changes; a camera that moves; a clip too short to tell.
+TEST_F(AStaticScene, IsRefusedOrWarnedOfWhereThereIsNone) {
+  for (int i = 0; i < kMoments; ++i) {
+    Image8 image = image_of(i);
+    for (uint8_t& value : image.data) value = uint8_t(value * (kMoments - i / 2) / kMoments);
+    write_png(folder_ / fmt::format("scene/cam00/{:05}.png", i), image);
+    write_png(folder_ / fmt::format("scene/cam01/{:05}.png", i), image);
+  }
+  const std::vector<std::string> warnings = make().warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("of the pixels look the same"), std::string::npos);
+
+  frames_[7]["transform_matrix"] = gl_matrix(looking_at_origin({4.0, 1.0, 0.0}));
+  write();
+  expect_input_error([&] { make(); }, {"cam00 moves", "fixed cameras"});
+  frames_.erase(frames_.begin() + 11, frames_.end());
+  frames_.erase(frames_.begin() + 7);
+  write();
+  expect_input_error([&] { make(); }, {"10 frames", "needs 12"});
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "static/transforms.json")) << "nothing is lost";
+  expect_input_error([&] { write_static_scene(folder_.path(), folder_ / "x", {}); },
+                     {"no prepared scene"});
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,190 @@
+// A long clip that is trained window by window: `train --windows`, `evaluate`, `export` and `run`
+// of the whole, what several programs do in one folder, and what is refused.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "recon4d/model/model_file.h"
+#include "static3d/tessera4d/windowed_file.h"
+#include "tests/tools/commands/cli_workspace.h"
+
+namespace tessera::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::vector<float> values_of(const GaussianSet& set) {
+  std::vector<float> values;
+  for (int g = 0; g < set.groups(); ++g) {
+    const Span<const float> group = set.group(Group(g)).value.span();
+    values.insert(values.end(), group.data, group.data + group.size);
+  }
+  return values;
+}
+
+/// A room that four cameras film for two seconds, 24 frames each.
+class CliWindows : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const ChildResult made =
+        work.run({"synth", "room", "-o", work.at("room"), "--layout", "n3dv", "--cameras", "4",
+                  "--frames", "48", "--width", "48", "--height", "36", "--supersampling", "1"});
+    if (made.exit_code != 0) GTEST_SKIP() << "no video encoder: " << made.err;
+    ASSERT_EQ(work.run({"ingest", work.at("room"), "-o", work.at("scene"), "--cloud", "none",
+                        "--frames-as", "video"})
+                  .exit_code,
+              0);
+  }
+  std::vector<std::string> train(const std::string& out,
+                                 const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words{"train",
+                                   work.at("scene"),
+                                   "-o",
+                                   work.at(out),
+                                   "--windows",
+                                   "1s",
+                                   "--backend",
+                                   "cpu",
+                                   "--threads",
+                                   "2",
+                                   "--iterations",
+                                   "12",
+                                   "--init-points",
+                                   "300",
+                                   "--batch",
+                                   "1",
+                                   "--sweep",
+                                   "false"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  const CliWorkspace work;
+};
+
+// Finds: each window trains static Gaussians of its own; a window sees other timesteps than its
+// core and eight beyond; scores of the timesteps beyond the core; times of a window in the place of
+// those of the clip; a file of windows without one of them; checkpoints that stay.
+TEST_F(CliWindows, AreTrainedScoredAndExportedAsOneClip) {
+  const json trained = work.run_json(train("run"));
+  EXPECT_TRUE(trained["finished"]);
+  EXPECT_EQ(trained["windows"], 2);
+  const json plan = json::parse(work.read("run/windows.json"));
+  EXPECT_NEAR(double(plan["windows"][0]["drawn"][1]), 23.5 / 47, 1e-6) << "midway of 23 and 24";
+  EXPECT_NEAR(double(plan["windows"][1]["time"][0]), 16.0 / 47, 1e-6);
+  const GaussianModel shared = load_model(work / "run/static/model.ply");
+  ASSERT_GT(shared.static_set.count(), 20);
+  EXPECT_EQ(shared.dynamic_set.count(), 0);
+  int64_t dynamic = 0;
+  for (const char* window : {"0000", "0001"}) {
+    const std::string run = std::string("run/windows/") + window;
+    const GaussianModel model = load_model(work / (run + "/model.ply"));
+    EXPECT_EQ(values_of(model.static_set), values_of(shared.static_set)) << window;
+    EXPECT_GT(model.dynamic_set.count(), 0);
+    dynamic += model.dynamic_set.count();
+    EXPECT_FALSE(fs::exists(work / (run + "/checkpoint.ckpt")));
+    EXPECT_EQ(json::parse(work.read(run + "/config.json"))["train_frames"], 3 * 32);
+  }
+  EXPECT_EQ(trained["num_dynamic"], dynamic);
+
+  const json scores = work.run_json({"evaluate", work.at("run"), "--backend", "cpu"});
+  EXPECT_EQ(scores["windows"], 2);
+  EXPECT_EQ(scores["num_static"], shared.static_set.count());
+  EXPECT_EQ(scores["num_dynamic"], dynamic);
+  std::set<int64_t> times;
+  for (const json& view : scores["per_view"]) times.insert(std::lround(47 * double(view["time"])));
+  EXPECT_EQ(scores["per_view"].size(), 48u);
+  EXPECT_EQ(times.size(), 48u);
+  EXPECT_EQ(*times.rbegin(), 47);
+  EXPECT_TRUE(scores["borders"]["border"].is_number());
+  EXPECT_TRUE(scores["borders"]["inside"].is_number());
+
+  const json exported =
+      work.run_json({"export", work.at("run"), "-o", work.at("4d"), "--format", "tessera"});
+  EXPECT_EQ(exported["windows"], 2);
+  Tessera4dParts parts = open_tessera4d(work / "4d");
+  ASSERT_EQ(parts.windows().size(), 2u);
+  EXPECT_EQ(parts.load(1).static_set.count(), shared.static_set.count());
+  EXPECT_EQ(
+      work.run({"export", work.at("run"), "-o", work.at("one"), "--format", "tessera", "--single"})
+          .exit_code,
+      0);
+  EXPECT_EQ(open_tessera4d(work / "one/scene.t4d").manifest().blocks.size(),
+            parts.manifest().blocks.size());
+  work.expect_refused({"export", work.at("run"), "-o", work.at("ply"), "--format", "ply"},
+                      {"2 windows", "--format ply", "windows/0000"});
+}
+
+// Finds: a second command trains all again; another request replaces what is there; another cut in
+// the same folder; what is of one training taken in silence.
+TEST_F(CliWindows, GoOnWhereTheyWereAndLoseNothing) {
+  const ChildResult stopped = work.run(train("run", {"--time-limit", "0.001s"}));
+  EXPECT_NE(stopped.exit_code, 0);
+  work.run_json(train("run"));
+  const WrittenFiles before = work.written("run", "model.ply");
+  ASSERT_EQ(before.size(), 3u);
+  EXPECT_TRUE(work.run_json(train("run"))["finished"]);
+  EXPECT_EQ(work.written("run", "model.ply"), before) << "nothing is trained again";
+  work.expect_refused(train("run", {"--iterations", "13"}), {"another request", "iterations"});
+  std::vector<std::string> longer = train("run");
+  longer[5] = "0.7s";
+  work.expect_refused(longer, {"holds 2 windows", "take another -o"});
+  EXPECT_EQ(work.written("run", "model.ply"), before);
+  work.expect_refused(train("new", {"--window", "1/2"}), {"--windows", "--window is of one"});
+  work.expect_refused(train("new", {"--overwrite"}), {"--overwrite is of one"});
+  longer[5] = "0.1s";
+  work.expect_refused(longer, {"20 windows", "less than 12"});
+  longer[5] = "soon";
+  work.expect_refused(longer, {"--windows soon", "5s"});
+
+  // a window that is lost is trained again, and comes out the same
+  const std::string lost = work.read("run/windows/0001/model.ply");
+  fs::remove_all(work / "run/windows/0001");
+  work.expect_refused({"evaluate", work.at("run")}, {"1 of 2 windows", "window 2"});
+  work.run_json(train("run"));
+  EXPECT_EQ(work.read("run/windows/0001/model.ply"), lost);
+}
+
+// Finds: a static set of another scene or with what moves is taken; options that change static
+// Gaussians; a resumed training that forgets the static set.
+TEST_F(CliWindows, ShareAStaticModelOfTheSameWorldAlone) {
+  work.run_json(train("run"));
+  const auto window = [&](const std::string& shared, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"train",
+                                   work.at("scene"),
+                                   "-o",
+                                   work.at("w"),
+                                   "--window",
+                                   "1/2",
+                                   "--backend",
+                                   "cpu",
+                                   "--iterations",
+                                   "12",
+                                   "--sweep",
+                                   "false",
+                                   "--init-points",
+                                   "300",
+                                   "--static-model",
+                                   work.at(shared)};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  work.expect_refused(window("run/windows/0000", {}), {"not what stands still", "unpack --static"});
+  work.expect_refused(window("scene", {}), {"no finished training", "unpack --static"});
+  work.expect_refused(window("run/static", {"--filter-3d", "bake"}), {"--static-model"});
+  work.expect_refused(window("run/static", {"--train-scale", "0.5"}), {"--train-scale 1"});
+  EXPECT_EQ(work.run(window("run/static", {"--stop-after", "4"})).exit_code, 0);
+  EXPECT_EQ(
+      work.run({"train", work.at("scene"), "-o", work.at("w"), "--resume", "--backend", "cpu"})
+          .exit_code,
+      0);
+  const json resumed = json::parse(work.read("w/config.json"));
+  EXPECT_EQ(resumed["static_model"]["run"], fs::absolute(work / "run/static").string());
+  EXPECT_EQ(values_of(load_model(work / "w/model.ply").static_set),
+            values_of(load_model(work / "run/static/model.ply").static_set));
+}
+
+}  // namespace
+}  // namespace tessera::testing

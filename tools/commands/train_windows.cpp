@@ -1,0 +1,275 @@
+// What all windows share is made under the lock of the folder, each window under that of its run.
+#include "tools/commands/train_windows.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
+
+#include "ingest/prepared/scene_reader.h"
+#include "ingest/prepared/static_scene.h"
+#include "ingest/prepared/transforms_json.h"
+#include "kernels/base/errors.h"
+#include "tools/cli/interrupt.h"
+#include "tools/cli/run_record.h"
+#include "tools/cli/stage_ledger.h"
+#include "tools/cli/training_terminal.h"
+#include "tools/commands/earlier_training.h"
+#include "tools/export/formats.h"
+#include "tools/live/stopped_training.h"
+#include "tools/session/locks.h"
+#include "tools/session/run_folder.h"
+#include "tools/session/train_session.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::chrono::seconds kBetweenLooks{1};
+
+Scene listed_scene(const fs::path& path) {
+  SceneOptions options;
+  options.load_pixels = false;
+  return load_scene(path, options);
+}
+
+class WindowsTraining {
+ public:
+  explicit WindowsTraining(const WindowsRequest& request)
+      : request_(request), folder_{request.root} {}
+
+  json run() {
+    if (!prepare()) return result(true);
+    const bool left = !train_all();
+    json all = result(left);
+    if (!left && !failed_.empty())
+      throw InputError(fmt::format(
+          "{} of {} windows could not be trained; the others are. Window {}: {}; repeat the "
+          "command when that is mended",
+          failed_.size(), plan_.windows.size(), failed_.begin()->first + 1,
+          failed_.begin()->second));
+    return all;
+  }
+
+ private:
+  /// The plan, what stands still and its training. False: it was stopped.
+  bool prepare() {
+    bool is_told = false;
+    while (true) {
+      if (folder_.exists()) check_plan();
+      if (WindowsFolder::is_finished(folder_.static_run()) && folder_.exists()) break;
+      if (!is_run_locked(folder_.root)) {
+        try {
+          const RunLock lock(folder_.root, terminal_);
+          return make_plan() && make_static();
+        } catch (const InputError&) {
+          if (!is_run_locked(folder_.root)) throw;  // another program was faster
+        }
+      }
+      if (!is_told) say("another program prepares what the windows share; waits for it");
+      is_told = true;
+      if (!waited()) return false;
+    }
+    return make_static();  // done before, of the same request
+  }
+
+  /// False when it was stopped.
+  bool waited() {
+    std::this_thread::sleep_for(kBetweenLooks);
+    return !terminal_.must_stop();
+  }
+
+  void check_plan() {
+    plan_ = folder_.read();
+    const auto count = int64_t(plan_.windows.size());
+    const bool is_same = count == request_.count && plan_.scene_files == files_of_scene();
+    if (is_same) return;
+    throw InputError(fmt::format("{}: holds {} windows of {}{}; take another -o",
+                                 folder_.root.string(), count, plan_.scene,
+                                 count == request_.count ? ", whose files have changed" : ""));
+  }
+
+  bool make_plan() {
+    if (folder_.exists()) return true;
+    const Scene scene = listed_scene(request_.scene);
+    plan_.scene = fs::absolute(request_.scene).string();
+    plan_.clip = scene.time_axis;
+    plan_.windows = cut_clip(scene, request_.count, plan_.overlap);
+    plan_.scene_files = files_of_scene();
+    folder_.write(plan_);
+    return true;
+  }
+
+  const std::string& files_of_scene() {
+    if (scene_files_.empty()) scene_files_ = key_of(file_stamps(request_.scene));
+    return scene_files_;
+  }
+
+  bool make_static() {
+    const fs::path scene = folder_.static_scene();
+    if (!is_prepared_scene(scene)) {
+      ProgressBar bar("static");
+      const StaticSceneReport report =
+          write_static_scene(request_.scene, scene, [&](int64_t done, int64_t total) {
+            stop_if_interrupted();
+            bar.update(done, total, "cameras");
+          });
+      bar.clear();
+      for (const std::string& warning : report.warnings) warn(warning);
+      say(fmt::format("static: {:.0f} % of the pixels of {} cameras look the same all along",
+                      100 * report.shared, report.cameras));
+    }
+    TrainRequest training = request_of(scene, folder_.static_run(), {}, key_of(file_stamps(scene)));
+    return trained("static", training);
+  }
+
+  TrainRequest request_of(const fs::path& scene, const fs::path& run,
+                          const std::optional<Window>& window, const std::string& files) {
+    PlannedOptions planned = resolve_options(request_.arguments, scene, window);
+    TrainRequest training;
+    training.scene = scene;
+    training.run = run;
+    training.window = window;
+    if (window) training.static_model = folder_.static_run();
+    json asked = asked_of_training(request_.arguments, planned, window, training.static_model);
+    asked[kSceneFiles] = files;
+    training.made_for = asked.dump();
+    training.options = std::move(planned.options);
+    training.preset = request_.arguments.preset;
+    training.ablation = request_.arguments.ablation;
+    training.backend = request_.arguments.backend;
+    training.checkpoint_every = request_.arguments.checkpoint_every;
+    training.evaluate_every = request_.arguments.evaluate_every;
+    training.time_limit = request_.time_limit;
+    training.stopwatch = request_.stopwatch;
+    training.shipped_bytes = shipped_bytes_of(run.string());
+    training.overwrite = true;  // of a run that has not ended
+    return training;
+  }
+
+  /// Starts, resumes or leaves the training as it is. False when it was stopped.
+  bool trained(const std::string& name, TrainRequest& training) {
+    const RunFolder run{training.run};
+    const RunPlan plan =
+        plan_run(record_of(run, training.scene), json::parse(training.made_for), false);
+    if (plan.action == RunAction::kRefuse)
+      throw InputError(fmt::format("{}: is trained with another request: {}; take another -o",
+                                   run.root.string(), text_of_changes(plan.changed)));
+    if (plan.action != RunAction::kDone) {
+      training.resume = plan.action == RunAction::kResume;
+      say(fmt::format("{}: {}", name, training.resume ? "is resumed" : "training"));
+      TrainingTerminal terminal;
+      const json result = train_or_restart(training, terminal);
+      if (!result["finished"].get<bool>()) return false;
+      say(training_text(result));
+    }
+    std::error_code ignored;
+    fs::remove(run.checkpoint(), ignored);
+    return true;
+  }
+
+  /// False when it was stopped.
+  bool train_all() {
+    while (true) {
+      bool is_with_others = false;
+      for (int64_t i = 0; i < int64_t(plan_.windows.size()); ++i) {
+        if (failed_.contains(i)) continue;
+        const fs::path run = folder_.window_run(i);
+        if (is_run_locked(run)) {
+          is_with_others = true;
+          continue;
+        }
+        if (checked_.contains(i) && WindowsFolder::is_finished(run)) continue;
+        try {
+          TrainRequest training =
+              request_of(request_.scene, run, plan_.window(i), files_of_scene());
+          if (!trained(fmt::format("window {} of {}", i + 1, plan_.windows.size()), training))
+            return false;
+          checked_.insert(i);
+        } catch (const std::runtime_error& error) {
+          if (terminal_.must_stop()) throw;
+          if (is_run_locked(run))
+            is_with_others = true;  // another program was faster
+          else
+            fail(i, error);
+        }
+      }
+      if (!is_with_others) return true;
+      if (!waited()) return false;
+    }
+  }
+
+  /// What concerns all windows ends the work; what concerns one is told at the end.
+  void fail(int64_t index, const std::runtime_error& error) {
+    if (dynamic_cast<const WriteError*>(&error) != nullptr ||
+        dynamic_cast<const DeviceError*>(&error) != nullptr)
+      throw;
+    failed_[index] = error.what();
+    warn(fmt::format("window {} of {}: {}", index + 1, plan_.windows.size(), error.what()));
+  }
+
+  json result(bool left) const {
+    json parts = json::array();
+    json all = {{"windows", request_.count}, {"folder", folder_.root.string()}, {"left", left}};
+    int64_t dynamic = 0, most = 0, bytes = 0;
+    double seconds = 0;
+    json fixed = last_result(RunFolder{folder_.static_run()});
+    const int64_t statics = fixed.is_object() ? fixed.value("num_static", int64_t{0}) : 0;
+    if (fixed.is_object()) seconds += fixed.value("seconds", 0.0);
+    for (int64_t i = 0; i < int64_t(plan_.windows.size()); ++i) {
+      json part = last_result(RunFolder{folder_.window_run(i)});
+      if (part.is_object()) {
+        const auto count = part.value("num_dynamic", int64_t{0});
+        dynamic += count;
+        most = std::max(most, count);
+        seconds += part.value("seconds", 0.0);
+        bytes += part.value("bytes", int64_t{0});
+      }
+      parts.push_back(std::move(part));
+    }
+    all["finished"] = !left && folder_.exists() && folder_.missing(plan_).empty();
+    all["num_static"] = statics;
+    all["num_dynamic"] = dynamic;
+    all["num_gaussians"] = statics + dynamic;
+    all["bytes"] = bytes;
+    all["peak_gaussians"] = statics + most;
+    all["seconds"] = seconds;
+    all["static"] = std::move(fixed);
+    all["parts"] = std::move(parts);
+    return all;
+  }
+
+  const WindowsRequest& request_;
+  const WindowsFolder folder_;
+  TrainingTerminal terminal_;
+  WindowsPlan plan_;
+  std::string scene_files_;
+  std::set<int64_t> checked_;              // finished windows of this request
+  std::map<int64_t, std::string> failed_;  // why
+};
+
+}  // namespace
+
+json train_windows(const WindowsRequest& request) {
+  return WindowsTraining(request).run();
+}
+
+std::string windows_text(const json& result) {
+  const auto windows = result["windows"].get<int64_t>();
+  if (!result["finished"].get<bool>())
+    return fmt::format("stopped before all {} windows were trained; repeat the command to go on",
+                       windows);
+  return fmt::format(
+      "{} windows in {}: {} static Gaussians that they share, {} dynamic ones, at most {} at a "
+      "time; folder {}",
+      windows, duration_text(result["seconds"]), result["num_static"].get<int64_t>(),
+      result["num_dynamic"].get<int64_t>(), result["peak_gaussians"].get<int64_t>(),
+      result["folder"].get<std::string>());
+}
+
+}  // namespace tessera

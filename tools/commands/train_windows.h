@@ -1,0 +1,33 @@
+// Trains a long clip window by window in one folder (tools/session/windows_folder.h). Any number of
+// programs may do so in the same folder, on one machine or several: each takes what no other has in
+// work, and what a killed one has left is resumed.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+#include "tools/cli/train_arguments.h"
+#include "tools/session/time_limit.h"
+#include "tools/session/windows_folder.h"
+
+namespace tessera {
+
+struct WindowsRequest {
+  std::filesystem::path scene, root;
+  TrainArguments arguments;
+  int64_t count = 2;
+  double time_limit = 0;  // seconds by the stopwatch; 0: none
+  Stopwatch stopwatch = running_stopwatch();
+};
+
+/// Returns when all windows are trained, by this program or another, or when it is stopped.
+/// `windows` (number), `finished`, `left`, `folder`, `static` and `parts` (results of the
+/// trainings), `num_static`, `num_dynamic` and `num_gaussians` (sums), `bytes` (of the models'
+/// files), `peak_gaussians` (of a window with the static
+/// set), `seconds` (sum). Errors: InputError: the folder holds another clip, cut or request; a
+/// window that cannot be trained, after all others have been.
+nlohmann::json train_windows(const WindowsRequest& request);
+
+/// In lines for a person.
+std::string windows_text(const nlohmann::json& result);
+
+}  // namespace tessera

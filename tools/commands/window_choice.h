@@ -1,0 +1,40 @@
+// How many windows a clip is cut into: --windows.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/scene.h"
+
+namespace tessera {
+
+/// "none", "auto", or a length: "5s".
+struct WindowWish {
+  enum class Kind { kNone, kAuto, kLength };
+  Kind kind = Kind::kNone;
+  double seconds = 0;  // of kLength
+};
+
+/// Errors: InputError naming --windows.
+WindowWish parse_windows(const std::string& text);
+
+struct WindowChoice {
+  int64_t count = 1;   // 1: the clip is trained as a whole
+  std::string reason;  // in words; "" where nothing is to be said
+};
+
+/// `scene` lists the frames, without pixels. `memory`: bytes that programs can have in all. `auto`
+/// cuts a rig of fixed cameras where the clip is longer than 20 s, or where its images would take
+/// more than half of the memory: into windows of about 5 s, shorter ones where these would not fit.
+/// Errors: InputError: a length for a capture that cannot be cut, or that makes windows of less
+/// than a few timesteps.
+WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t memory);
+
+/// Bytes of the images and masks of frames in memory.
+int64_t image_bytes(const Scene& scene);
+
+/// Why a capture cannot be cut into windows that share what stands still; "" where it can.
+std::string reason_against_windows(const Scene& scene);
+
+}  // namespace tessera

@@ -1,0 +1,45 @@
+// The static set that all windows of a long clip share, with what else of its training they keep:
+// how it is drawn, the colours of the training images, and the images of what stands still.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "ingest/scene.h"
+#include "recon4d/model/exposure.h"
+#include "recon4d/model/gaussian_set.h"
+#include "recon4d/options/train_options.h"
+
+namespace tessera {
+
+struct StaticModel {
+  std::filesystem::path run;
+  GaussianModel model;        // static Gaussians alone
+  TrainOptions options;       // of its training, as it settled them
+  nlohmann::json exposure;    // of exposure_json; null: nothing was learnt
+  std::vector<Frame> stills;  // [cameras] of its scene, at the size of the training
+};
+
+/// `run`: the folder of a finished training on a scene of `tessera unpack --static`. Errors:
+/// InputError: another folder, a training of something else, a scene that is gone.
+StaticModel load_static_model(const std::filesystem::path& run);
+
+/// The options of a window become those of the static set where both must agree: how Gaussians are
+/// drawn, the kind of colours of the training images; SH begins with all degrees, and the limit of
+/// Gaussians while they grow is that of those beside it. Errors: InputError: options that change
+/// static Gaussians, or frames of another scale or background.
+void adopt_rules(const StaticModel& shared, TrainOptions& options);
+
+/// Errors: InputError: the static set is of another world than `scene`.
+void check_world(const StaticModel& shared, const Scene& scene);
+
+/// The colours of the training images of `scene` as the static set has them. Errors: InputError: a
+/// camera that it does not know.
+ExposureState shared_exposure(const StaticModel& shared, const Scene& scene,
+                              const TrainOptions& options);
+
+/// Tells static sets apart: a hash of the model's file. Errors: InputError: as load_static_model.
+std::string static_model_digest(const std::filesystem::path& run);
+
+}  // namespace tessera

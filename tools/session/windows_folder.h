@@ -1,0 +1,65 @@
+// The folder of a long clip that is trained window by window, beside the file windows.json that
+// says how the clip is cut:
+//   static_scene/   what stands still in the clip, as a prepared scene
+//   static/         the run of its training, whose Gaussians all windows share
+//   windows/0000/   the run of each window
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ingest/clocks/windows.h"
+#include "ingest/scene.h"
+#include "static3d/tessera4d/windows.h"
+
+namespace tessera {
+
+/// How a clip is cut.
+struct WindowsPlan {
+  std::string scene;  // a whole path
+  int64_t overlap = Window().overlap;
+  TimeAxis clip;
+  std::vector<FileWindow> windows;
+  std::string scene_files;  // a hash of the scene's files: another one makes another plan
+
+  Window window(int64_t index) const { return {index, int64_t(windows.size()), overlap}; }
+};
+
+/// Equal windows of a clip of so many timesteps, whose frames `scene` lists (without pixels).
+/// Borders lie midway between two timesteps. Errors: InputError: as range_of.
+std::vector<FileWindow> cut_clip(const Scene& scene, int64_t count, int64_t overlap);
+
+struct WindowsFolder {
+  std::filesystem::path root;
+
+  std::filesystem::path plan_file() const { return root / "windows.json"; }
+  std::filesystem::path static_scene() const { return root / "static_scene"; }
+  std::filesystem::path static_run() const { return root / "static"; }
+  std::filesystem::path window_run(int64_t index) const;
+
+  /// Whether a clip has been cut here.
+  bool exists() const { return std::filesystem::exists(plan_file()); }
+  /// Errors: InputError: missing, damaged, of a newer version.
+  WindowsPlan read() const;
+  void write(const WindowsPlan& plan) const;
+  /// Removes what the windows consist of, where a clip has been cut here.
+  void remove() const;
+  /// Whether the training in that run folder is complete: it leaves its checkpoint behind then.
+  static bool is_finished(const std::filesystem::path& run);
+  /// Windows whose training is not complete, from 1 as people count.
+  std::vector<int64_t> missing(const WindowsPlan& plan) const;
+};
+
+/// The scene of a plan: where it is gone, e.g. because OUT was moved, that in OUT. Errors:
+/// InputError: both are gone.
+std::filesystem::path scene_of_windows(const WindowsFolder& folder, const WindowsPlan& plan);
+
+/// Errors: InputError naming windows whose training is not complete, and the command that goes on.
+void require_all_windows(const WindowsFolder& folder, const WindowsPlan& plan);
+
+/// The folder of windows that `path` means: itself, or the one inside where it is an OUT of
+/// `tessera run`. Its `exists()` is false where there is none.
+WindowsFolder windows_folder_of(const std::filesystem::path& path);
+
+}  // namespace tessera
