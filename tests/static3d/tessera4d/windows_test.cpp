@@ -94,8 +94,8 @@ class Windows : public ::testing::Test {
   }();
 };
 
-// Bugs put back: the second window read for both; Gaussians outside of the core kept; streams
-// counted from the first byte of the block; each seen to fail.
+// Bugs put back: the second window read for both; Gaussians outside of the core kept; each seen to
+// fail.
 TEST_F(Windows, AreReadBackAsTheyWereGiven) {
   const Tessera4dWritten written = write();
   single_from_folder(folder_.path(), folder_ / "scene.t4d");
@@ -120,7 +120,6 @@ TEST_F(Windows, AreReadBackAsTheyWereGiven) {
   EXPECT_EQ(written.bytes, open_tessera4d(folder_.path()).bytes());
 }
 
-// Bugs put back: tau = t; a window's origin without that of the clip; each seen to fail.
 TEST_F(Windows, HaveATimeOfTheirOwn) {
   write();
   Tessera4dParts parts = open_tessera4d(folder_.path());
@@ -140,7 +139,6 @@ TEST_F(Windows, HaveATimeOfTheirOwn) {
   }
 }
 
-// Bug put back: a closed interval, so that the earlier window is drawn at a border; seen to fail.
 TEST(WindowTimes, AtABorderTheLaterWindowIsDrawn) {
   EXPECT_EQ(window_at(kTwo, 0), 0);
   EXPECT_EQ(window_at(kTwo, std::nextafter(0.5, 0)), 0);
@@ -150,7 +148,6 @@ TEST(WindowTimes, AtABorderTheLaterWindowIsDrawn) {
   EXPECT_EQ(window_at(kTwo, 1.1), 1);
 }
 
-// Bug put back: the interval of a block in the window's time; seen to fail.
 TEST_F(Windows, BlocksStateWhenTheyAreVisibleWithinTheCore) {
   write();
   const Tessera4dParts parts = open_tessera4d(folder_.path());
@@ -169,7 +166,6 @@ TEST_F(Windows, BlocksStateWhenTheyAreVisibleWithinTheCore) {
   }
 }
 
-// Bug put back: blocks written by finish(); seen to fail.
 TEST_F(Windows, BlocksAreOnTheDiskBeforeTheManifest) {
   write_text_file(manifest_file(), "{}");  // of an earlier file
   WindowedWriter writer(folder_.path(), models_[0], kClip, kTwo, options_);
@@ -187,7 +183,6 @@ TEST_F(Windows, BlocksAreOnTheDiskBeforeTheManifest) {
   EXPECT_EQ(open_tessera4d(folder_.path()).load(0).dynamic_set.count(), 0);
 }
 
-// Bug put back: streams in the manifest; seen to fail.
 TEST_F(Windows, AThousandBlocksHaveASmallManifest) {
   write();
   const Tessera4dParts parts = open_tessera4d(folder_.path());
@@ -208,7 +203,6 @@ TEST_F(Windows, AThousandBlocksHaveASmallManifest) {
   EXPECT_LT(std::filesystem::file_size(manifest_file()), 1500 + 250 * blocks.size());
 }
 
-// Bug put back: version 1 written for windows; seen to fail.
 TEST_F(Windows, AreReadByReadersThatKnowThemAlone) {
   write();
   EXPECT_EQ(read_json(manifest_file())["version"], 3);
@@ -253,9 +247,6 @@ class SpoiltWindows : public Windows {
   json sound_;
 };
 
-// Bugs put back: cores not compared with their neighbours; a window of a block not compared with
-// their number; a static block with a window accepted; the size of a head not compared; each seen
-// to fail.
 TEST_F(SpoiltWindows, ManifestsThatCannotBe) {
   const std::string name = kTessera4dManifest;
   refused([](json& m, json&) { m.erase("windows"); }, {name, "no 'windows'", "export it again"});
@@ -280,7 +271,6 @@ TEST_F(SpoiltWindows, ManifestsThatCannotBe) {
   refused([](json& m, json&) { m["version"] = 4; }, {"version 4", "newer"});
 }
 
-// Bug put back: the streams of a head against the bytes of the whole block; seen to fail.
 TEST_F(SpoiltWindows, HeadsThatCannotBe) {
   for (const auto& [text, word] : std::vector<std::pair<std::string, std::string>>{
            {"[1]", "no object"},
