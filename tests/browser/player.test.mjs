@@ -254,8 +254,8 @@ test('playback continues with the loaded blocks and lists the missing ones', asy
 });
 
 const kUseless = {
-  'a later version': [(f) => rewrite(f, (m) => ({...m, version: 3})),
-                      /manifest\.json: version 3 is later than this player knows/],
+  'a later version': [(f) => rewrite(f, (m) => ({...m, version: 4})),
+                      /manifest\.json: version 4 is later than this player knows/],
   'no manifest': [(f) => rmSync(join(f, 'manifest.json')), /manifest\.json: .* 404; it is missing/],
 };
 function rewrite(f, change) {

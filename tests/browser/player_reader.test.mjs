@@ -94,7 +94,7 @@ function refuses(error, pattern) {
 
 const kManifests = {
   'another format': [(m) => { m.format = '3dgs'; }, /format should be "tessera-4d"/],
-  'a later version': [(m) => { m.version = 3; }, /version 3 is later/],
+  'a later version': [(m) => { m.version = 4; }, /version 4 is later/],
   'a version that is no number': [(m) => { m.version = '1'; }, /version should be an integer/],
   'no blocks but a number': [(m) => { m.blocks = 7; }, /blocks should be a list/],
   'a block that is null': [(m) => { m.blocks[0] = null; }, /blocks\[0\] should be an object/],

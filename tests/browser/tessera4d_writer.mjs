@@ -6,7 +6,7 @@ import zlib from 'node:zlib';
 const kWidth = {u8: 1, u16: 2, u24: 3, u32: 4, f32: 4};
 
 /** CRC-32 where this Node's zlib has none. */
-function checksum(bytes) {
+export function checksum(bytes) {
   if (zlib.crc32) return zlib.crc32(bytes);
   let c = ~0;
   for (const byte of bytes) {

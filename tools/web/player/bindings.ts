@@ -1,6 +1,6 @@
 // The motion nodes of a canonical block, and the nodes and weights that carry each Gaussian.
 // Source: docs/reference/tessera4d.md, section 4.1.
-import type { Block } from "./manifest";
+import type { Block } from "./manifest_blocks";
 import type { MotionNodes } from "./motion_nodes";
 import { PlayerError } from "./player_error";
 import { finite, type StreamReader } from "./streams";

@@ -9,7 +9,7 @@ const FAINTEST = 0.05; // opacity that is looked at
 const low = (word: number) => THREE.DataUtils.fromHalfFloat(word & 0xffff);
 const high = (word: number) => THREE.DataUtils.fromHalfFloat(word >>> 16);
 
-/** `clip`: anchors of motion are clamped to the clip, as in splat4d_shader.ts. */
+/** `t`: the block's own time; `clip`: anchors of motion are clamped to the clip, as in splat4d_shader.ts. */
 export function blockHits(packed: PackedBlock, ray: Ray, t: number, clip: boolean): Hit[] {
   const look = packed.look.words;
   const place = new Float32Array(packed.place.words.buffer);

@@ -5,6 +5,8 @@ import { isAbort, lineOf, PlayerError } from "./player_error";
 
 export interface Span {
   visible: [number, number]; // t
+  /** Where its window is drawn, without the end; absent or null: always. */
+  drawn?: [number, number] | null;
 }
 
 export interface Resident {
@@ -32,6 +34,11 @@ type Slot<R> =
   | { state: "resident"; resident: R; used: number }
   | { state: "failed"; line: string; retryAt: number };
 
+function isSeen({ visible, drawn }: Span, t: number): boolean {
+  if (t < visible[0] || t > visible[1]) return false;
+  return !drawn || (drawn[0] <= t && t < drawn[1]);
+}
+
 const AT_ONCE = 4; // fetches in flight
 const RETRY_MS = 5000; // after a network's failure; what is damaged is not asked for again
 
@@ -51,9 +58,7 @@ export class BlockCache<R extends Resident> {
 
   /** Indices of the blocks that are drawn at t. */
   at(t: number): number[] {
-    return [...this.spans.keys()].filter(
-      (i) => this.spans[i].visible[0] <= t && t <= this.spans[i].visible[1],
-    );
+    return [...this.spans.keys()].filter((i) => isSeen(this.spans[i], t));
   }
 
   get(index: number): R | undefined {
@@ -122,7 +127,8 @@ export class BlockCache<R extends Resident> {
   /** The first `urgent` at any price, the rest within the budget. */
   private start(wanted: number[], urgent: number): void {
     let inFlight = this.slots.filter((slot) => slot.state === "loading").length;
-    const full = this.memory() >= this.budget;
+    // others make room
+    const full = this.memory(wanted) >= this.budget;
     for (const [place, i] of wanted.entries()) {
       if (inFlight >= AT_ONCE || (full && place >= urgent)) return;
       const slot = this.slots[i];
@@ -161,11 +167,11 @@ export class BlockCache<R extends Resident> {
     this.hooks.onChange();
   }
 
-  private memory(): number {
-    return this.slots.reduce(
-      (sum, slot) => sum + (slot.state === "resident" ? slot.resident.memory : 0),
-      0,
-    );
+  /** Bytes of these blocks, as far as they are here. */
+  private memory(indices: Iterable<number>): number {
+    let sum = 0;
+    for (const i of indices) sum += this.get(i)?.memory ?? 0;
+    return sum;
   }
 
   private evict(keep: Set<number>): void {
@@ -173,7 +179,7 @@ export class BlockCache<R extends Resident> {
     this.slots.forEach((slot, i) => {
       if (slot.state === "resident") here.push({ i, resident: slot.resident, used: slot.used });
     });
-    let memory = this.memory();
+    let memory = this.memory(this.slots.keys());
     here.sort((a, b) => a.used - b.used);
     for (const { i, resident } of here) {
       if (memory <= this.budget) return;

@@ -11,13 +11,15 @@ import type { Triple } from "./manifest";
 import { memoryBudget } from "./memory_budget";
 import type { Hit, Ray } from "./pick";
 import type { OnProgress, Play, SceneInfo } from "./scene_view";
-import { BlockSplats, SliceUniforms } from "./splat4d_shader";
+import { BlockSplats, eyeUniform, SliceUniforms } from "./splat4d_shader";
+import { ownTime } from "./windows";
 
 const MOST_SH_DEGREE = 3;
 
 export class BlocksContent implements Content {
   readonly info: SceneInfo;
-  private readonly slice = new SliceUniforms();
+  private readonly eyePlace = eyeUniform();
+  private readonly slices: SliceUniforms[]; // of each window; the last: of blocks without one
   private readonly decoder = new Decoder();
   private readonly cache: BlockCache<BlockSplats>;
   private readonly arrivals: Arrivals;
@@ -33,14 +35,19 @@ export class BlocksContent implements Content {
   ) {
     const { manifest, address } = source;
     const clip = Number(manifest.anchor === "clip");
-    this.slice.when.value.set(0, clip, manifest.splat.cutoffAlpha, MOST_SH_DEGREE);
+    this.slices = [...manifest.windows, null].map(() => {
+      const slice = new SliceUniforms(this.eyePlace);
+      slice.when.value.set(0, clip, manifest.splat.cutoffAlpha, MOST_SH_DEGREE);
+      return slice;
+    });
     this.info = {
       time: manifest.time,
       frames: null,
       up: manifest.up,
       bounds: manifest.bounds,
       cameras: manifest.cameras,
-      gaussians: Object.values(manifest.gaussians).reduce((sum, count) => sum + count, 0),
+      gaussians:
+        manifest.peak ?? Object.values(manifest.gaussians).reduce((sum, count) => sum + count, 0),
       audio: manifest.audio && address ? new URL(manifest.audio, address).href : null,
     };
     const sizes = manifest.blocks.map(({ bytes }) => bytes);
@@ -62,7 +69,8 @@ export class BlocksContent implements Content {
     this.arrivals.begin(i);
     const bytes = await this.source.fetchBlock(block, { signal, onBytes });
     this.arrivals.end(i);
-    return new BlockSplats(await this.decoder.decode(block, bytes), this.slice);
+    const slice = this.slices[block.window ?? this.source.manifest.windows.length];
+    return new BlockSplats(await this.decoder.decode(block, bytes), slice);
   }
 
   prepare(t: number, play: Play): boolean {
@@ -74,20 +82,25 @@ export class BlocksContent implements Content {
     const moved = t !== this.t;
     this.t = t;
     this.cache.update({ t, ...play });
-    const splats = this.cache.at(t).map((i) => this.cache.get(i));
-    const present = splats.filter((block): block is BlockSplats => block !== undefined);
+    const indices = this.cache.at(t).filter((i) => this.cache.get(i) !== undefined);
+    const present = indices.map((i) => this.cache.get(i)!);
     const names = present.map((block) => block.id).join();
     const changed = names !== this.shown;
     if (changed) this.place(present);
     this.shown = names;
     if (!moved && !seen && !changed) return false;
-    this.slice.when.value.x = t;
-    this.slice.eye.value.set(...this.eye());
-    for (const block of present) {
-      block.pose(t);
+    this.eyePlace.value.set(...this.eye());
+    present.forEach((block, k) => {
+      block.pose(this.timeOf(indices[k], t));
       block.updateVersion();
-    }
+    });
     return true;
+  }
+
+  /** Of the Gaussians of block i at t of the clip. */
+  private timeOf(i: number, t: number): number {
+    const { windows, blocks } = this.source.manifest;
+    return ownTime(windows, blocks[i].window, t);
   }
 
   /** Exactly these are in the scene, in the file's order: depth ties fall as they always do. */
@@ -106,7 +119,7 @@ export class BlocksContent implements Content {
   }
 
   setShDegree(degree: number): void {
-    this.slice.when.value.w = degree;
+    for (const { when } of this.slices) when.value.w = degree;
     this.t = NaN; // is drawn anew
   }
 
@@ -114,7 +127,7 @@ export class BlocksContent implements Content {
     const clip = this.source.manifest.anchor === "clip";
     return this.cache.at(t).flatMap((i) => {
       const packed = this.cache.get(i)?.packed;
-      return packed === undefined ? [] : blockHits(packed, ray, t, clip);
+      return packed === undefined ? [] : blockHits(packed, ray, this.timeOf(i, t), clip);
     });
   }
 

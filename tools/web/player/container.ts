@@ -2,7 +2,8 @@
 // ranges, or whole where the server supports none), or a single file within the page. Source:
 // docs/reference/tessera4d.md, section 2.
 import { fetchBytes, nameOf, type FetchOptions } from "./fetching";
-import { parseJson, readManifest, VERSION, type Block, type Manifest } from "./manifest";
+import { parseJson, readManifest, VERSION, type Manifest } from "./manifest";
+import type { Block } from "./manifest_blocks";
 import { PlayerError } from "./player_error";
 
 export interface BlockSource {
@@ -13,7 +14,7 @@ export interface BlockSource {
 }
 
 const HEAD = 12; // bytes before the manifest of a single file
-const FIRST_READ = 1 << 16; // bytes: mostly enough for the manifest
+const FIRST_READ = 1 << 18; // bytes: enough for the manifest of a clip of many minutes
 
 /** A folder: one file for each block. `json`: its manifest.json, parsed. */
 export function folderSource(json: unknown, url: string): BlockSource {
@@ -92,10 +93,11 @@ export async function singleFileSource(url: string, options: FetchOptions): Prom
     async fetchBlock(block, blockOptions) {
       if (block.bytes === 0) return new Uint8Array(0);
       const range = { offset: HEAD + length + block.offset, bytes: block.bytes };
+      const end = range.offset + range.bytes;
+      if (end <= bytes.length) return bytes.slice(range.offset, end); // came with the manifest
       const part = await fetchBytes(url, { ...blockOptions, range });
       return part.whole
-        ? part.bytes.slice(range.offset, range.offset + range.bytes)
-        : part.bytes;
+        ? part.bytes.slice(range.offset, end) : part.bytes;
     },
   };
 }

@@ -2,7 +2,7 @@
 import { allArrays, packBlock, type PackedBlock } from "./packing";
 import { lineOf } from "./player_error";
 import { decodeBlock } from "./tessera4d";
-import type { Block } from "./manifest";
+import type { Block } from "./manifest_blocks";
 
 export interface DecodeTask {
   id: number;

@@ -1,7 +1,7 @@
 // Decodes blocks in a worker, or on this thread where a browser starts none.
 import DecodeWorker from "./decode_worker?worker&inline";
 import type { DecodeAnswer, DecodeTask } from "./decode_worker";
-import type { Block } from "./manifest";
+import type { Block } from "./manifest_blocks";
 import { packBlock, type PackedBlock } from "./packing";
 import { PlayerError } from "./player_error";
 import { decodeBlock } from "./tessera4d";

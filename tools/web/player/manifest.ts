@@ -1,11 +1,12 @@
 // Reads and checks the manifest of a Tessera 4D file: a manifest that passes can be decoded without
 // further checks of its numbers. Source: docs/reference/tessera4d.md.
 import { Fields } from "./json_fields";
+import { readBlocks, type Block } from "./manifest_blocks";
 import { PlayerError } from "./player_error";
+import { readWindows, WINDOWS_VERSION, type Window } from "./windows";
 
 export const FORMAT = "tessera-4d";
-export const VERSION = 2;
-const NODES_VERSION = 2; // from which blocks can be canonical
+export const VERSION = 3;
 
 export type Triple = [number, number, number];
 /** w, x, y, z */
@@ -21,33 +22,6 @@ export interface Camera {
   fy: number;
   cx: number;
   cy: number;
-}
-
-export interface Stream {
-  name: string;
-  type: string;
-  components: number;
-  count: number; // of the first Gaussians of the block; of nodes or of their control points
-  scale: number[]; // per component; empty for f32
-  bias: number[];
-  delta: boolean;
-  codec: string;
-  offset: number; // within the block, bytes
-  bytes: number;
-}
-
-export interface Block {
-  name: string; // for messages: its file, or its place in the single file
-  kind: "static" | "dynamic" | "canonical";
-  file: string | null; // of a folder
-  offset: number; // in a single file: from the end of the manifest, bytes
-  bytes: number;
-  crc32: number;
-  visible: [number, number]; // t
-  count: number;
-  nodes: number; // motion nodes of a canonical block, else 0
-  knots: number; // control points of each of them
-  streams: Stream[];
 }
 
 export interface SplatRules {
@@ -69,19 +43,16 @@ export interface Manifest {
   time: { origin: number; duration: number; fps: number | null }; // seconds
   bounds: Bounds | null;
   gaussians: { static: number; dynamic: number; canonical: number };
+  /** The most Gaussians that any time needs, where a file says it. */
+  peak: number | null;
   background: Triple; // sRGB, 0 to 255
   splat: SplatRules;
   anchor: "clip" | "mean_time";
   cameras: Camera[];
   audio: string | null;
+  windows: Window[]; // none before version 3
   blocks: Block[];
 }
-
-const MAX_COUNT = 2 ** 27; // Gaussians of a block: more do not fit any card
-const MAX_BYTES = 2 ** 31;
-const MAX_NODES = 1024; // the words of bindings hold no larger number (packing.ts)
-const MAX_KNOTS = 256;
-const MIN_KNOTS = 4; // control points that act on a node at a time
 
 export function readCamera(f: Fields): Camera {
   const rotation = f.numbers("rotation", 4) as Quaternion;
@@ -100,78 +71,6 @@ export function readCamera(f: Fields): Camera {
   for (const key of ["width", "height", "fx", "fy"] as const)
     if (!(camera[key] > 0)) throw f.wrong(key, "above 0", camera[key]);
   return camera;
-}
-
-/** Rows of a stream of motion nodes; 0: it is one of Gaussians. */
-export function nodeRows(name: string, block: { nodes: number; knots: number }): number {
-  if (name === "node_position" || name === "node_log_radius") return block.nodes;
-  const ofControls = name === "node_translation" || name === "node_rotation";
-  return ofControls ? block.nodes * block.knots : 0;
-}
-
-function readStream(f: Fields, block: Omit<Block, "streams">): Stream {
-  const name = f.text("name");
-  const type = f.text("type");
-  const components = f.size("components", 64);
-  const scaled = /^u\d+$/.test(type);
-  const stream: Stream = {
-    name,
-    type,
-    components,
-    count: f.size("count", nodeRows(name, block) || block.count),
-    scale: scaled ? f.numbers("scale", components) : [],
-    bias: scaled ? f.numbers("bias", components) : [],
-    delta: f.flag("delta", false),
-    codec: f.text("codec"),
-    offset: f.size("offset", block.bytes),
-    bytes: f.size("bytes", block.bytes),
-  };
-  if (stream.offset + stream.bytes > block.bytes)
-    throw f.wrong("offset + bytes", `at most ${block.bytes}`, stream.offset + stream.bytes);
-  return stream;
-}
-
-/** `file` of a block: below the manifest, so that no page is led to another server. */
-function localFile(f: Fields): string | null {
-  if (!f.has("file")) return null;
-  const file = f.text("file");
-  if (file === "" || /^[/\\]|[:\\]|(^|\/)\.\.(\/|$)/.test(file))
-    throw f.wrong("file", "a file below the manifest", file);
-  return file;
-}
-
-function readKind(f: Fields, version: number): Block["kind"] {
-  const kind = f.text("kind");
-  if (kind === "static" || kind === "dynamic") return kind;
-  if (version < NODES_VERSION) throw f.wrong("kind", "static or dynamic", kind);
-  if (kind !== "canonical") throw f.wrong("kind", "static, dynamic or canonical", kind);
-  return kind;
-}
-
-function readBlock(f: Fields, i: number, version: number): Block {
-  const kind = readKind(f, version);
-  const carried = kind === "canonical";
-  const file = localFile(f);
-  const block: Omit<Block, "streams"> = {
-    name: file ?? `block ${i}`,
-    kind,
-    file,
-    offset: file === null ? f.size("offset", Number.MAX_SAFE_INTEGER) : 0,
-    bytes: f.size("bytes", MAX_BYTES),
-    crc32: f.size("crc32", 0xffffffff),
-    visible: f.numbers("visible", 2) as [number, number],
-    count: f.size("count", MAX_COUNT),
-    nodes: carried ? f.size("nodes", MAX_NODES, 1) : 0,
-    knots: carried ? f.size("knots", MAX_KNOTS, MIN_KNOTS) : 0,
-  };
-  return { ...block, streams: f.list("streams", (stream) => readStream(stream, block)) };
-}
-
-function readBlocks(f: Fields, version: number): Block[] {
-  const blocks = f.list("blocks", (block, i) => readBlock(block, i, version));
-  const carried = blocks.filter(({ kind }) => kind === "canonical").length;
-  if (carried > 1) throw f.wrong("blocks", "at most one of kind canonical", carried);
-  return blocks;
 }
 
 function readSplat(f: Fields): SplatRules {
@@ -225,6 +124,7 @@ export function readManifest(json: unknown, file: string): Manifest {
   if (anchor !== "clip" && anchor !== "mean_time")
     throw f.wrong("anchor", `"clip" or "mean_time"`, anchor);
   const counts = f.within("gaussians");
+  const windows = version >= WINDOWS_VERSION ? readWindows(f) : [];
   return {
     name: file,
     up: f.triple("up"),
@@ -239,11 +139,13 @@ export function readManifest(json: unknown, file: string): Manifest {
       dynamic: counts.size("dynamic", 2 ** 40),
       canonical: counts.has("canonical") ? counts.size("canonical", 2 ** 40) : 0,
     },
+    peak: windows.length > 0 ? counts.size("peak", 2 ** 40) : null,
     background: f.triple("background"),
     splat: readSplat(f.within("splat")),
     anchor,
     cameras: f.list("cameras", readCamera),
     audio: f.has("audio") ? f.text("audio") : null,
-    blocks: readBlocks(f, version),
+    windows,
+    blocks: readBlocks(f, version, windows),
   };
 }

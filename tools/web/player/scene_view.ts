@@ -30,7 +30,7 @@ export interface SceneInfo {
   up: Triple;
   bounds: Bounds | null;
   cameras: Camera[];
-  gaussians: number; // for a sequence: of its largest frame
+  gaussians: number; // of a sequence: of its largest frame; of windows: the most at a time
   audio: string | null; // address
 }
 

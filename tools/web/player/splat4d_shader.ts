@@ -1,5 +1,5 @@
 // A block on the GPU: its textures, and the program that computes Gaussian `index` as a splat at
-// time t: mean, rotation, opacity, and colour towards the sliced mean. Spark projects and sorts
+// its time t (tau of its window where it has one): mean, rotation, opacity, and colour towards the sliced mean. Spark projects and sorts
 // splats. Source: docs/reference/tessera4d.md, 1; SH: [3DGS].
 import { dyno, SplatGenerator, SplatTransformer } from "@sparkjsdev/spark";
 import * as THREE from "three";
@@ -7,11 +7,17 @@ import { CARRY_GLSL } from "./carry_shader";
 import { writePoses, type MotionNodes } from "./motion_nodes";
 import { memoryOf, poseTexels, ROW, type PackedBlock, type Words } from "./packing";
 
-/** What all blocks of a scene share: changing a value here changes every later frame. */
+/** A place that all blocks of a scene share. */
+export function eyeUniform() {
+  return new dyno.DynoVec3({ value: new THREE.Vector3(), key: "eye" });
+}
+
+/** What all blocks of one window share: changing a value here changes every later frame. */
 export class SliceUniforms {
-  /** t; 1 where the anchor is clamped to the clip; least opacity that is drawn; highest SH degree */
+  /** their time; 1 where the anchor is clamped to the clip; least opacity that is drawn; highest SH degree */
   readonly when = new dyno.DynoVec4({ value: new THREE.Vector4(0, 1, 1 / 255, 3), key: "when" });
-  readonly eye = new dyno.DynoVec3({ value: new THREE.Vector3(), key: "eye" });
+
+  constructor(readonly eye: ReturnType<typeof eyeUniform>) {}
 }
 
 const GLSL = `
@@ -109,17 +115,19 @@ if (alpha > 0.0 && alpha >= ${i.when}.z) {
 }`;
 }
 
-function textureOf({ words }: Words): THREE.DataArrayTexture {
-  const rows = Math.max(1, words.length / (4 * ROW));
+function textureOf(words: Words["words"]): THREE.DataArrayTexture {
+  const rows = words.length / (4 * ROW);
   const height = Math.min(rows, ROW);
-  const data = words.length > 0 ? words : new Uint32Array(4 * ROW);
-  const texture = new THREE.DataArrayTexture(data, ROW, height, rows / height);
+  const texture = new THREE.DataArrayTexture(words, ROW, height, rows / height);
   texture.format = THREE.RGBAIntegerFormat;
   texture.type = THREE.UnsignedIntType;
   texture.internalFormat = "RGBA32UI";
   texture.needsUpdate = true;
   return texture;
 }
+
+/** In the place of what a block does not have; one for all, as a long clip has many blocks. */
+const NOTHING = textureOf(new Uint32Array(4 * ROW));
 
 /** A block that Spark can draw. Free it with dispose(). */
 export class BlockSplats extends SplatGenerator {
@@ -131,19 +139,23 @@ export class BlockSplats extends SplatGenerator {
 
   constructor(
     readonly packed: PackedBlock,
-    slice: SliceUniforms,
+    private readonly slice: SliceUniforms,
   ) {
     super({ numSplats: packed.count });
     this.memory = memoryOf(packed);
     this.nodes = packed.nodes;
     const poses = poseTexels(packed.nodes);
-    this.poses = textureOf(poses);
     this.poseFloats = new Float32Array(poses.words.buffer);
-    const samplerOf = (texture: THREE.DataArrayTexture, key: string) => {
+    const textureFor = ({ words }: Words) => {
+      if (words.length === 0) return NOTHING;
+      const texture = textureOf(words);
       this.textures.push(texture);
-      return new dyno.DynoUsampler2DArray({ value: texture, key });
+      return texture;
     };
-    const sampler = (words: Words, key: string) => samplerOf(textureOf(words), key);
+    this.poses = textureFor(poses);
+    const samplerOf = (value: THREE.DataArrayTexture, key: string) =>
+      new dyno.DynoUsampler2DArray({ value, key });
+    const sampler = (words: Words, key: string) => samplerOf(textureFor(words), key);
     const uniforms = {
       place: sampler(packed.place, "place"),
       look: sampler(packed.look, "look"),
@@ -195,8 +207,9 @@ export class BlockSplats extends SplatGenerator {
     );
   }
 
-  /** Motion nodes are where t has them from the next draw on. */
+  /** The Gaussians, and motion nodes, are where the block's own time t has them from the next draw on. */
   pose(t: number): void {
+    this.slice.when.value.x = t;
     if (this.nodes === null) return;
     writePoses(this.nodes, t, this.poseFloats);
     this.poses.needsUpdate = true;

@@ -1,7 +1,7 @@
 // Decodes the streams of a block to floats: codec, planes, differences, scale and bias. Lengths are
 // checked, so that no file causes a read or an allocation beyond its data. Source:
 // docs/reference/tessera4d.md, section 4.
-import { nodeRows, type Block, type Stream } from "./manifest";
+import { nodeRows, type Block, type Stream } from "./manifest_blocks";
 import { PlayerError } from "./player_error";
 
 const BYTES_OF: Record<string, number> = { u8: 1, u16: 2, u24: 3, u32: 4, f32: 4 };

@@ -1,7 +1,7 @@
 // Decodes the bytes of one block of a Tessera 4D file to the numbers of its Gaussians, after a
 // check of length and checksum. Source: docs/reference/tessera4d.md, sections 3 and 4.
 import { readCarried, type Carried } from "./bindings";
-import type { Block } from "./manifest";
+import { openHead, type Block } from "./manifest_blocks";
 import { PlayerError } from "./player_error";
 import { StreamReader } from "./streams";
 
@@ -14,8 +14,8 @@ export interface DecodedBlock {
   colour: Float32Array; // [count, 3] SH of degree 0
   /** Degrees 1, 2, 3: [first Gaussians, 3 | 5 | 7 coefficients, 3 colours]. */
   sh: [Float32Array, Float32Array, Float32Array];
-  velocity: Float32Array; // [count, 3] world units per t; empty for static blocks, as the two below
-  timeMean: Float32Array; // [count] t
+  velocity: Float32Array; // [count, 3] world units per unit of its time; empty for static blocks, as the two below
+  timeMean: Float32Array; // [count] in its time: t, or tau of its window
   logTimeScale: Float32Array; // [count]
   carried: Carried | null; // of canonical blocks
 }
@@ -85,12 +85,13 @@ async function readOpacity(reader: StreamReader): Promise<Float32Array> {
 }
 
 /**
- * Checks and decodes one block. `bytes`: of the block alone.
+ * Checks and decodes one block. `entry`: as its manifest has it; `bytes`: of the block alone.
  * Throws PlayerError with the block and the stream named.
  */
-export async function decodeBlock(block: Block, bytes: Uint8Array): Promise<DecodedBlock> {
-  checkBytes(block, bytes);
-  const reader = new StreamReader(block, bytes);
+export async function decodeBlock(entry: Block, bytes: Uint8Array): Promise<DecodedBlock> {
+  checkBytes(entry, bytes);
+  const { block, data } = openHead(entry, bytes);
+  const reader = new StreamReader(block, data);
   const moving = block.kind === "dynamic";
   const none = new Float32Array(0);
   const position = await reader.all("position", 3);
