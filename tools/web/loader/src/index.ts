@@ -48,6 +48,7 @@ export class Tessera4d extends THREE.Group {
   /** Of most Gaussians, in the object's own axes; null: not known. */
   readonly bounds: THREE.Box3 | null;
   readonly cameras: Camera[];
+  /** Of all times; of a file of windows the most at a time. */
   readonly gaussians: number;
   /** sRGB, what the model was trained on. */
   readonly background: THREE.Color;
