@@ -121,7 +121,6 @@ for (const name of Object.keys(kModels))
       expectClean(problems);
     });
 
-// Bugs put back: a closed interval of cores; t in the place of tau; each seen to fail.
 for (const scene of ['long.t4d', 'long/manifest.json'])
   test(`${scene}: windows of a long clip, each in its own time`, async (context) => {
     const {page, problems} = await open(scene);
