@@ -89,7 +89,7 @@ struct Scene {
   TimeAxis time_axis;
   Similarity prepared_from_source;  // what was done to the world; identity where nothing was
   bool is_static = false;           // one timestep (no times given, or all equal and allowed)
-  // Of what stands still in a clip (ingest/prepared/static_scene.h): timesteps of that clip; else
+  // Of what stands still in a clip (ingest/derived/static_scene.h): timesteps of that clip; else
   // 0.
   int64_t static_of = 0;
   // [cameras] what stands still over a longer clip that this is a window of: images, and masks that

@@ -54,6 +54,7 @@ TrainState TrainState::clone_to(Memory& memory) const {
   copy.finished = finished;
   copy.decided = decided;
   copy.goal = goal;
+  copy.static_is_frozen = static_is_frozen;
   return copy;
 }
 

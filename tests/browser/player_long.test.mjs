@@ -69,27 +69,27 @@ const seek = (page, seconds) => page.evaluate((s) => {
   window.tessera.seek(s);
   return window.tessera.settle();
 }, seconds);
-async function pictureAt(page, seconds) {
+async function imageAt(page, seconds) {
   await seek(page, seconds);
   return shot(page);
 }
 /** What window i alone shows at t of the long clip. */
 const tauOf = (i, t) => (t - windows[i].time[0]) / (windows[i].time[1] - windows[i].time[0]);
 
-/** Pictures of windows alone: of [[window, seconds], …], ascending. */
+/** Images of windows alone: of [[window, seconds], …], ascending. */
 async function aloneAt(asked) {
-  const pictures = [];
+  const images = [];
   let opened, shown;
   for (const [i, seconds] of asked) {
-    if (i !== shown) {
+    if (i !== shheld) {
       if (opened) await close(opened);
       opened = await open(`window${i}.t4d`, 'ui=0&paused');
       shown = i;
     }
-    pictures.push(await pictureAt(opened.page, fixture.seconds * tauOf(i, seconds / kSeconds)));
+    images.push(await imageAt(opened.page, fixture.seconds * tauOf(i, seconds / kSeconds)));
   }
   await close(opened);
-  return pictures;
+  return images;
 }
 
 /** Bytes of blocks that are seen between two times. */
@@ -128,8 +128,8 @@ test('a seek to anywhere and to borders shows one window, as its file alone', as
   for (const k of [9, 3, 6, 5, 0, 8, 1, 2, 7, 4]) {
     const [i, seconds] = times[k];
     const from = server.sent.length;
-    const picture = await pictureAt(opened.page, seconds);
-    const value = psnr(picture, alone[k]);
+    const image = await imageAt(opened.page, seconds);
+    const value = psnr(image, alone[k]);
     t.diagnostic(`${seconds} s, window ${i}: ${value.toFixed(1)} dB, ${server.sent.length - from} requests`);
     assert.ok(value >= 50, `${seconds} s is not window ${i} alone: ${value.toFixed(1)} dB`);
     assert.ok(sentSince(from) <= bytesSeen(seconds - 0.01, seconds + 0.01), 'bytes of a seek');
@@ -188,15 +188,15 @@ function countTextures() {
 // Bug put back: blocks that are not seen any more not freed; seen to fail.
 test('seeks through a file that is larger than memory keep the budget', async (t) => {
   const opened = await open('heavy.t4d', 'ui=0&paused', {prepare: countTextures});
-  const own = await opened.page.evaluate(() => window.textureBytes());
+  const held = await opened.page.evaluate(() => window.textureBytes());
   let most = 0;
   for (let k = 0; k < kHeavy; ++k) {
     await seek(opened.page, ((k * 8) % kHeavy) * kLength + 2);
     most = Math.max(most, await opened.page.evaluate(() => window.textureBytes()));
   }
-  const budget = 256 << 20, slack = 64 << 20;  // what Spark has of its own, and blocks in flight
-  t.diagnostic(`textures: ${(own / 2 ** 20).toFixed(0)} MiB at first, at most ${(most / 2 ** 20).toFixed(0)} MiB`);
-  assert.ok(most <= budget + own + slack, `${most} bytes of textures`);
+  const budget = 256 << 20, slack = 64 << 20;  // what Spark holds itself, and blocks in flight
+  t.diagnostic(`textures: ${(held / 2 ** 20).toFixed(0)} MiB at first, at most ${(most / 2 ** 20).toFixed(0)} MiB`);
+  assert.ok(most <= budget + held + slack, `${most} bytes of textures`);
   assert.ok(most > budget / 2, 'the file is large enough to tell');
   await close(opened);
 });

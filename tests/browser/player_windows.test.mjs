@@ -67,9 +67,9 @@ test('manifests of windows as they should not be', async (t) => {
 test('versions 1 and 2 have no windows, whatever further keys they hold', () => {
   const {manifest} = clipOf();
   const {windows} = file().manifest;
-  const of = read({...manifest, windows, blocks: manifest.blocks.map((b) => ({...b, head: 7, window: 1}))});
-  assert.deepEqual(of.windows, []);
-  for (const {window, drawn, head, streams} of of.blocks) {
+  const whole = read({...manifest, windows, blocks: manifest.blocks.map((b) => ({...b, head: 7, window: 1}))});
+  assert.deepEqual(whole.windows, []);
+  for (const {window, drawn, head, streams} of whole.blocks) {
     assert.deepEqual([window, drawn, head], [null, null, 0]);
     assert.ok(streams.length >= 5);
   }

@@ -43,8 +43,8 @@ export async function serveSlowly(files, {bytesPerSecond, latency}) {
       ...(range && {'Content-Range': `bytes ${first}-${end - 1}/${bytes.length}`}),
     });
     if (!slow) return response.end(bytes.subarray(first, end));
-    for (let at = first; at < end && !response.destroyed; at += kPart) {
-      const part = bytes.subarray(at, Math.min(end, at + kPart));
+    for (let next = first; next < end && !response.destroyed; next += kPart) {
+      const part = bytes.subarray(next, Math.min(end, next + kPart));
       await line(part.length);
       entry.bytes += part.length;
       response.write(part);

@@ -19,7 +19,7 @@ void add_backend_options(CLI::App& command, std::string& backend) {
   command
       .add_option_function<std::string>(
           "--gpu", [&backend](const std::string& number) { backend += ":" + number; },
-          "number of the CUDA device, of those that CUDA_VISIBLE_DEVICES shows; default: 0")
+          "CUDA device, of those in CUDA_VISIBLE_DEVICES; default: 0")
       ->type_name("N");
 }
 

@@ -80,7 +80,7 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
                      "steps between two scores of the test views; 0: at the end only");
   command
       .add_option("--checkpoint-every", arguments.checkpoint_every,
-                  "steps between two checkpoints; 0: at the end only; default: every minute")
+                  "steps between two checkpoints; 0: at the end; default: every minute")
       ->check(CLI::NonNegativeNumber);
   add_option_table(command, arguments);
 }

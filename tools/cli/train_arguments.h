@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "ingest/clocks/windows.h"
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options.h"
 #include "tools/cli/command.h"

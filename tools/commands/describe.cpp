@@ -15,10 +15,11 @@
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_info.h"
-#include "static3d/tessera4d/tessera4d.h"
+#include "static3d/tessera4d/windowed_file.h"
 #include "tools/export/formats.h"
 #include "tools/session/model_input.h"
 #include "tools/session/run_folder.h"
+#include "tools/session/windows_folder.h"
 
 namespace tessera {
 namespace {
@@ -52,9 +53,43 @@ json describe_checkpoint(const fs::path& path, bool with_shipped) {
   return info;
 }
 
+/// A clip that was trained window by window.
+json describe_windows(const WindowsFolder& folder) {
+  const WindowsPlan plan = folder.read();
+  json info = described("clip in windows", folder.root);
+  info["scene"] = plan.scene;
+  info["windows"] = plan.windows.size();
+  info["window_seconds"] = plan.clip.duration / double(plan.windows.size());
+  info["overlap"] = plan.overlap;
+  info["time_axis"] = {{"origin", plan.clip.origin}, {"duration", plan.clip.duration}};
+  const std::vector<int64_t> missing = folder.missing(plan);
+  info["trained"] = plan.windows.size() - missing.size();
+  info["missing"] = missing;
+  return info;
+}
+
+/// A Tessera 4D file of windows, by its manifest.
+json describe_windowed_file(const fs::path& path) {
+  const Tessera4dParts parts = open_tessera4d(path);
+  const Tessera4dManifest& manifest = parts.manifest();
+  json info = described("Tessera 4D file", path);
+  info["bytes"] = parts.bytes();
+  info["lossless"] = manifest.lossless;
+  info["generator"] = manifest.generator;
+  info["blocks"] = manifest.blocks.size();
+  info["windows"] = parts.windows().size();
+  info["num_static"] = manifest.gaussians(false);
+  info["num_dynamic"] = manifest.gaussians(true);
+  info["num_gaussians"] = manifest.gaussians(false) + manifest.gaussians(true);
+  info["time_axis"] = {{"origin", parts.clip().origin}, {"duration", parts.clip().duration}};
+  return info;
+}
+
 /// `path`: the single file, or the manifest of a folder.
 json describe_tessera4d(const fs::path& path, bool with_shipped) {
   const bool folder = path.filename() == kTessera4dManifest;
+  const fs::path place = folder ? path.parent_path() : path;
+  if (open_tessera4d(place).windows().size() > 1) return describe_windowed_file(place);
   Tessera4dInput input = load_tessera4d(folder ? path.parent_path() : path);
   json info = described("Tessera 4D file", folder ? path.parent_path() : path);
   info["bytes"] = input.bytes;
@@ -141,6 +176,8 @@ json describe_splat_sequence(const fs::path& folder) {
 }
 
 json describe_folder(const fs::path& path, bool with_shipped) {
+  if (const WindowsFolder windows = windows_folder_of(path); windows.exists())
+    return describe_windows(windows);
   if (const RunFolder run{run_folder_of(path)}; run.exists())
     return describe_run(run, with_shipped);
   if (has_transforms(path)) return describe_transforms(path);

@@ -22,7 +22,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/commands/object_boxes.h"
-#include "tools/commands/windows_scores.h"
+#include "tools/windows/windows_scores.h"
 #include "tools/export/formats.h"
 #include "tools/export/image_files.h"
 #include "tools/export/output_folder.h"

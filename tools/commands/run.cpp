@@ -19,7 +19,8 @@
 #include "tools/cli/training_terminal.h"
 #include "tools/commands/run_stages.h"
 #include "tools/commands/run_summary.h"
-#include "tools/commands/window_choice.h"
+#include "tools/windows/window_choice.h"
+#include "tools/windows/window_workers.h"
 #include "tools/view/view_server.h"
 
 namespace tessera {
@@ -59,6 +60,7 @@ void add_run_command(CLI::App& app, Work& work) {
                   "auto, none or a length as 5s: a long clip is trained window by window; auto: "
                   "where it is longer than 20 s or its images do not fit into the memory")
       ->capture_default_str();
+  add_gpus_option(command, request->gpus);
   command.add_option("--title", request->title, "title of the player's page");
   command.add_option("--description", request->description,
                      "description of the player's page, for sites where its address is posted");

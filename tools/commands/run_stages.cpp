@@ -26,10 +26,10 @@
 #include "tools/cli/run_record.h"
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/commands/earlier_training.h"
-#include "tools/commands/train_windows.h"
-#include "tools/commands/window_choice.h"
-#include "tools/commands/windows_scores.h"
+#include "tools/live/earlier_training.h"
+#include "tools/windows/train_windows.h"
+#include "tools/windows/window_choice.h"
+#include "tools/windows/windows_scores.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_outputs.h"
@@ -243,6 +243,7 @@ class Runner {
       windows.root = run_.root;
       windows.arguments = request_.training;
       windows.count = windows_;
+      windows.gpus = request_.gpus;
       json result = train_windows(windows);
       if (interrupted() || result["left"].get<bool>()) return {};
       say(windows_text(result));

@@ -22,6 +22,7 @@ struct RunRequest {
   int64_t export_frames = 0;       // PLY frames to write; 0: none
   std::string title, description;  // of the player's page
   std::string windows = "auto";    // --windows, as parse_windows
+  int64_t gpus = 1;                // cards that train windows at once
   bool overwrite = false;          // a finished run of another request may be replaced
   bool json_output = false;
   bool view = false;  // in a browser, from the first step on

@@ -124,6 +124,9 @@ void add_synth_command(CLI::App& app, Work& work) {
   command->add_option("--layout", request->layout, "dnerf, n3dv or videos");
   command->add_option("--cameras", options.cameras, "cameras (n3dv, videos)");
   command->add_option("--frames", options.frames, "instants; dnerf: training views");
+  command->add_option("--repeat", options.repeat,
+                      "n3dv, videos: instants after which all moves back, and then again; 0: as "
+                      "many as the clip has");
   command->add_option("--held-out-frames", options.held_out_frames,
                       "dnerf: views in each of val and test; 0: a fifth of --frames");
   command->add_option("--width", options.width, "pixels; 0: the scene's own");

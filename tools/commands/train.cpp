@@ -22,9 +22,10 @@
 #include "tools/cli/terminal.h"
 #include "tools/cli/train_arguments.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/commands/earlier_training.h"
-#include "tools/commands/train_windows.h"
-#include "tools/commands/window_choice.h"
+#include "tools/live/earlier_training.h"
+#include "tools/windows/train_windows.h"
+#include "tools/windows/window_choice.h"
+#include "tools/windows/window_workers.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_successor.h"
@@ -34,7 +35,7 @@
 #include "tools/session/device_choice.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
-#include "tools/session/time_limit.h"
+#include "tools/session/clock/time_limit.h"
 #include "tools/session/train_session.h"
 #include "tools/session/train_start.h"
 #include "tools/view/view_server.h"
@@ -176,7 +177,7 @@ struct Parsed {
   TrainArguments arguments;
   bool json = false, view = false;
   std::string resume, window, windows = "none", time_limit;
-  int64_t stop_after = 0;
+  int64_t stop_after = 0, gpus = 1;
 };
 
 /// --windows of more than one: the exit code; nothing where the clip is trained as a whole.
@@ -189,8 +190,10 @@ std::optional<int> train_in_windows(const Parsed& parsed) {
   options.allow_static = true;
   const WindowChoice choice =
       choose_windows(wish, load_scene(request.scene, options), machine_memory());
-  if (!choice.reason.empty()) say(choice.reason);
-  if (choice.count <= 1) return std::nullopt;
+  if (choice.count <= 1) {
+    if (!choice.reason.empty()) say(choice.reason);
+    return std::nullopt;
+  }
   for (const auto& [given, name] : {std::pair{!parsed.window.empty(), "--window"},
                                     {!request.static_model.empty(), "--static-model"},
                                     {request.overwrite, "--overwrite"},
@@ -205,6 +208,8 @@ std::optional<int> train_in_windows(const Parsed& parsed) {
   windows.root = request.run;
   windows.arguments = parsed.arguments;
   windows.count = choice.count;
+  windows.reason = choice.reason;
+  windows.gpus = parsed.gpus;
   windows.time_limit = request.time_limit;
   windows.stopwatch = request.stopwatch;
   const nlohmann::json result = train_windows(windows);
@@ -248,7 +253,7 @@ void add_train_command(CLI::App& app, Work& work) {
   command
       .add_flag(
           "--resume", parsed->resume,
-          "resume from the checkpoint, with its options; =auto: start, resume or leave as it is")
+          "resume from the checkpoint; =auto: start, resume or leave as it is")
       ->check(CLI::IsMember({"auto", "true"}));
   command.add_flag("--overwrite", parsed->request.overwrite,
                    "replace the run that is there once the new one is complete");
@@ -262,6 +267,7 @@ void add_train_command(CLI::App& app, Work& work) {
       .add_option("--windows", parsed->windows,
                   "auto, none, or a length: the whole clip in windows, 5s")
       ->capture_default_str();
+  add_gpus_option(command, parsed->gpus);
   command.add_option("--static-model", parsed->request.static_model,
                      "run folder whose static Gaussians all windows share");
   command.add_flag("--view", parsed->view, "show the training in a browser: tessera view RUN");

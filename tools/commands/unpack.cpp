@@ -5,9 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "ingest/prepared/static_scene.h"
+#include "ingest/derived/static_scene.h"
 #include "ingest/prepared/transforms_json.h"
-#include "ingest/prepared/unpacked_scene.h"
+#include "ingest/derived/unpacked_scene.h"
 #include "kernels/base/parallel.h"
 #include "tools/cli/command.h"
 #include "tools/cli/output_place.h"

@@ -17,7 +17,7 @@
 #include "tools/session/device_choice.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_writer.h"
-#include "tools/session/session_events.h"
+#include "tools/session/clock/session_events.h"
 #include "tools/session/session_results.h"
 #include "tools/session/training_setup.h"
 

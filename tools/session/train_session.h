@@ -13,7 +13,7 @@
 #include "recon4d/options/train_options.h"
 #include "recon4d/reduction/size_limit.h"
 #include "tools/session/session_observer.h"
-#include "tools/session/time_limit.h"
+#include "tools/session/clock/time_limit.h"
 
 namespace tessera {
 

@@ -20,6 +20,7 @@
 #include "recon4d/training/motion_trial.h"
 #include "recon4d/training/scene_scale.h"
 #include "recon4d/training/shown_pixels.h"
+#include "tools/session/static_model.h"
 #include "tools/session/version.h"
 
 namespace tessera {

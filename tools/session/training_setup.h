@@ -8,7 +8,7 @@
 #include <string>
 
 #include "tools/session/device_choice.h"
-#include "tools/session/session_times.h"
+#include "tools/session/clock/session_times.h"
 #include "tools/session/static_model.h"
 #include "tools/session/train_start.h"
 

@@ -1,4 +1,4 @@
-// windows.json is written once, before anything is trained.
+// The plan is written once, before anything is trained.
 #include "tools/session/windows_folder.h"
 
 #include <fmt/format.h>

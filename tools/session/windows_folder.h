@@ -1,8 +1,6 @@
-// The folder of a long clip that is trained window by window, beside the file windows.json that
-// says how the clip is cut:
-//   static_scene/   what stands still in the clip, as a prepared scene
-//   static/         the run of its training, whose Gaussians all windows share
-//   windows/0000/   the run of each window
+// The folder of a long clip that is trained window by window. Its windows.json says how the clip is
+// cut; static_scene/ is what stands still in it, as a prepared scene, static/ the run of its
+// training, whose Gaussians all windows share, and windows/0000/ the run of the first window.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -35,6 +35,7 @@ ordered_json options_json(const SynthOptions& options) {
                       {"moving_share", options.moving_share},
                       {"points", options.points}};
   if (!options.shifts.empty()) object["shifts"] = options.shifts;
+  if (options.repeat > 0) object["repeat"] = options.repeat;
   return object;
 }
 
@@ -45,7 +46,7 @@ ordered_json appearing_json(const SynthOptions& options, const World& world) {
     if (solid.lifetime.whole_clip()) continue;
     ordered_json shown = ordered_json::array();
     for (int frame = 0; frame < options.frames; ++frame)
-      if (solid.lifetime.contains(normalised_time(options, frame))) shown.push_back(frame);
+      if (solid.lifetime.contains(world_time(options, frame))) shown.push_back(frame);
     const Lifetime& life = solid.lifetime;
     list.push_back({{"name", solid.name},
                     {"begin", life.begin},  // there for begin <= time < end
@@ -95,6 +96,12 @@ ordered_json views_json(const SynthOptions& options, const std::vector<TrueView>
 
 double normalised_time(const SynthOptions& options, double frame) {
   return options.frames > 1 ? frame / (options.frames - 1) : 0;
+}
+
+double world_time(const SynthOptions& options, double frame) {
+  if (options.repeat < 2) return normalised_time(options, frame);
+  const double phase = std::fmod(std::abs(frame) / (options.repeat - 1), 2.0);
+  return phase <= 1 ? phase : 2 - phase;
 }
 
 double shift_of(const SynthOptions& options, int camera) {
@@ -193,8 +200,7 @@ Image8 moving_image(const RenderedImage& image, const std::vector<uint8_t>& ever
 
 std::vector<double> clip_times(const SynthOptions& options) {
   std::vector<double> times;
-  for (int frame = 0; frame < options.frames; ++frame)
-    times.push_back(normalised_time(options, frame));
+  for (int frame = 0; frame < options.frames; ++frame) times.push_back(world_time(options, frame));
   return times;
 }
 

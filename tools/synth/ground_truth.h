@@ -33,6 +33,8 @@ struct TrueView {
 
 /// Instant `frame` of a clip, normalised to [0, 1] (0 for a clip of one frame).
 double normalised_time(const SynthOptions& options, double frame);
+/// The time of the world, 0 to 1, that a frame shows: that of the clip, or of its repeated part.
+double world_time(const SynthOptions& options, double frame);
 /// Whether the share of the image in which anything moves is an option of the scene.
 inline bool has_moving_region(const SynthOptions& options) {
   return options.scene == SynthScene::kPatch;

@@ -35,7 +35,7 @@ LlffPose bounded_pose(const CaptureJob& job, int number, const Camera& camera,
   for (int frame = 0; frame < job.options.frames; ++frame)
     for (const PlacedSolid& mover :
          place(job.world, Part::kMoving,
-               normalised_time(job.options, frame + shift_of(job.options, number)))) {
+               world_time(job.options, frame + shift_of(job.options, number)))) {
       const double z = (camera.cam_from_world * mover.origin + camera.translation).z;
       pose.near = std::min(pose.near, z - mover.radius);
       pose.far = std::max(pose.far, z + mover.radius);
@@ -51,7 +51,7 @@ std::vector<uint8_t> moving_region(const CaptureJob& job, int number, const Came
   if (!has_moving_region(job.options)) return {};
   std::vector<double> times;
   for (int frame = 0; frame < job.options.frames; ++frame)
-    times.push_back(normalised_time(job.options, frame + shift_of(job.options, number)));
+    times.push_back(world_time(job.options, frame + shift_of(job.options, number)));
   return ever_covered(job.world, camera, times, layer);
 }
 
@@ -72,7 +72,7 @@ void film(const CaptureJob& job, int number, TrueView& view, const StaticLayer& 
     for (int frame = first; frame < std::min(first + kFramesAtOnce, options.frames); ++frame) {
       const double instant = frame + shift_of(options, number);
       const RenderedImage image =
-          render(job.world, view.camera, normalised_time(options, instant), layer);
+          render(job.world, view.camera, world_time(options, instant), layer);
       encoder.add(expose(image, options, 3, number, frame));
       masks.push_back(mask_image(image));
       for (const auto& [name, box] : image.boxes) view.boxes[name][size_t(frame)] = box;

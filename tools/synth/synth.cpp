@@ -161,6 +161,9 @@ SynthOptions resolve_synth_options(const SynthOptions& options) {
   if (full.height == 0) full.height = square ? 200 : 180;
   check_range("cameras", full.cameras, 1, 100);
   check_range("frames", full.frames, 1, 100000);
+  check_range("repeat", full.repeat, 0, 100000);
+  if (full.repeat == 1 || (dnerf && full.repeat > 0))
+    throw InputError("synth: --repeat takes two instants or more, of the layouts n3dv and videos");
   check_range("held_out_frames", full.held_out_frames, 0, 10000);
   check_range("width", full.width, 16, 8192);
   check_range("height", full.height, 16, 8192);

@@ -7,6 +7,7 @@
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/reduction/size_limit.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/separate_backend.h"
 #include "tests/support/tiny_capture.h"
 
 namespace tessera::testing {
@@ -86,6 +87,21 @@ TEST(FrozenStatic, StaysToTheBitThroughEveryEvent) {
   }
   EXPECT_GT(removed, 0);
   EXPECT_LE(frozen.training.model().count(), 120) << "the limit counts both sets";
+}
+
+// Bug put back: the copy of the state in a device's memory is not frozen; seen to fail.
+TEST(FrozenStatic, StaysFrozenInTheMemoryOfADevice) {
+  const TrainOptions options = eventful_options();
+  const Scene scene = tiny_capture();
+  SeparateBackend backend;
+  TrainState state = frozen_state(scene, options);
+  const std::vector<float> before = values_of(state.model.static_set);
+  Training training(scene, options, std::move(state), backend);
+  Validation validation(backend, scene, options, {});
+  ModelReduction reduction(backend, options, made_bytes);
+  training.run(110, reduction, validation);
+  EXPECT_TRUE(training.trainer().host_state().static_is_frozen);
+  EXPECT_TRUE(same_bits(values_of(training.trainer().host_model().static_set), before));
 }
 
 // Finds: a resumed training trains the static set.

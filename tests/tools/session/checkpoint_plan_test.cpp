@@ -1,5 +1,5 @@
 // The steps at which a checkpoint is due: by steps, by the clock, after slow checkpoints.
-#include "tools/session/session_events.h"
+#include "tools/session/clock/session_events.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The order of a session's events, on states that a training passes through.
-#include "tools/session/session_events.h"
+#include "tools/session/clock/session_events.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Wall time by kind of work: work within other work, work that throws, and seconds that were part
 // of another kind.
-#include "tools/session/session_times.h"
+#include "tools/session/clock/session_times.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Durations on the command line, and the time before its limit at which a training stops.
-#include "tools/session/time_limit.h"
+#include "tools/session/clock/time_limit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Scores of a clip from those of its windows, and how wrong images change across their borders.
-#include "recon4d/evaluation/joined_report.h"
+#include "tools/windows/joined_report.h"
 
 #include <gtest/gtest.h>
 

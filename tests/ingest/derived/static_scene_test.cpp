@@ -7,7 +7,7 @@
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/prepared/scene_reader.h"
-#include "ingest/prepared/static_scene.h"
+#include "ingest/derived/static_scene.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

@@ -1,5 +1,5 @@
 // Lists are joined, and means are taken again over all that is in them.
-#include "recon4d/evaluation/joined_report.h"
+#include "tools/windows/joined_report.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

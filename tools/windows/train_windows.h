@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "tools/cli/train_arguments.h"
-#include "tools/session/time_limit.h"
+#include "tools/session/clock/time_limit.h"
 #include "tools/session/windows_folder.h"
 
 namespace tessera {
@@ -15,6 +15,8 @@ struct WindowsRequest {
   std::filesystem::path scene, root;
   TrainArguments arguments;
   int64_t count = 2;
+  std::string reason;     // why so many: said when the clip is cut
+  int64_t gpus = 1;       // cards that train windows at once
   double time_limit = 0;  // seconds by the stopwatch; 0: none
   Stopwatch stopwatch = running_stopwatch();
 };

@@ -1,5 +1,5 @@
 // One window after another is in memory.
-#include "tools/commands/windows_scores.h"
+#include "tools/windows/windows_scores.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/evaluation/border_scores.h"
-#include "recon4d/evaluation/joined_report.h"
+#include "tools/windows/joined_report.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"

@@ -1,5 +1,5 @@
 // What all windows share is made under the lock of the folder, each window under that of its run.
-#include "tools/commands/train_windows.h"
+#include "tools/windows/train_windows.h"
 
 #include <fmt/format.h>
 
@@ -10,14 +10,15 @@
 #include <thread>
 
 #include "ingest/prepared/scene_reader.h"
-#include "ingest/prepared/static_scene.h"
+#include "ingest/derived/static_scene.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/run_record.h"
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/commands/earlier_training.h"
+#include "tools/live/earlier_training.h"
+#include "tools/windows/window_workers.h"
 #include "tools/export/formats.h"
 #include "tools/live/stopped_training.h"
 #include "tools/session/locks.h"
@@ -45,12 +46,14 @@ class WindowsTraining {
 
   json run() {
     if (!prepare()) return result(true);
+    const WindowWorkers workers(worker_words(), request_.gpus - 1, folder_.root);
     const bool left = !train_all();
+    for (const std::string& failure : workers.failures()) warn(failure);
     json all = result(left);
     if (!left && !failed_.empty())
       throw InputError(fmt::format(
           "{} of {} windows could not be trained; the others are. Window {}: {}; repeat the "
-          "command when that is mended",
+          "command when that is fixed",
           failed_.size(), plan_.windows.size(), failed_.begin()->first + 1,
           failed_.begin()->second));
     return all;
@@ -78,6 +81,16 @@ class WindowsTraining {
     return make_static();  // done before, of the same request
   }
 
+  /// The command of a program that trains windows of this folder, too.
+  std::vector<std::string> worker_words() const {
+    const double length = plan_.clip.duration / double(request_.count);
+    std::vector<std::string> words{"train", request_.scene.string(), "-o", folder_.root.string(),
+                                   "--windows", fmt::format("{:.9f}s", length)};
+    const std::vector<std::string> of_training = words_of(request_.arguments);
+    words.insert(words.end(), of_training.begin(), of_training.end());
+    return words;
+  }
+
   /// False when it was stopped.
   bool waited() {
     std::this_thread::sleep_for(kBetweenLooks);
@@ -96,6 +109,7 @@ class WindowsTraining {
 
   bool make_plan() {
     if (folder_.exists()) return true;
+    if (!request_.reason.empty()) say(request_.reason);
     const Scene scene = listed_scene(request_.scene);
     plan_.scene = fs::absolute(request_.scene).string();
     plan_.clip = scene.time_axis;

@@ -1,5 +1,5 @@
 // Sizes and lengths are those that the list of frames states.
-#include "tools/commands/window_choice.h"
+#include "tools/windows/window_choice.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "ingest/clocks/windows.h"
 #include "ingest/ingest.h"
 #include "kernels/base/errors.h"
-#include "tools/session/time_limit.h"
+#include "tools/session/clock/time_limit.h"
 
 namespace tessera {
 namespace {

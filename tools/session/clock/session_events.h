@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "tools/session/time_limit.h"
+#include "tools/session/clock/time_limit.h"
 
 namespace tessera {
 

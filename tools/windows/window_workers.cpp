@@ -1,5 +1,5 @@
 // Each worker is a child process that a thread waits for.
-#include "tools/commands/window_workers.h"
+#include "tools/windows/window_workers.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "ingest/files/child_process.h"
+#include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 
 namespace tessera {
@@ -35,6 +36,12 @@ std::vector<std::string> words_of(const TrainArguments& arguments) {
   if (arguments.checkpoint_every)
     add("--checkpoint-every", fmt::format("{}", *arguments.checkpoint_every));
   return words;
+}
+
+void add_gpus_option(CLI::App& command, int64_t& gpus) {
+  command.add_option("--gpus", gpus, "cards that train windows at once")
+      ->capture_default_str()
+      ->check(CLI::Range(int64_t{1}, int64_t{64}));
 }
 
 WindowWorkers::WindowWorkers(const std::vector<std::string>& words, int64_t count,

@@ -1,5 +1,5 @@
 // Loads and writes as many frames at a time as threads have something to do with.
-#include "ingest/prepared/unpacked_scene.h"
+#include "ingest/derived/unpacked_scene.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "ingest/files/folders.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
-#include "ingest/prepared/derived_scene.h"
+#include "ingest/derived/derived_scene.h"
 #include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"

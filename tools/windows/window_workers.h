@@ -14,6 +14,9 @@ namespace tessera {
 /// The words of `tessera train` for these arguments, without scene, folder and device.
 std::vector<std::string> words_of(const TrainArguments& arguments);
 
+/// --gpus.
+void add_gpus_option(CLI::App& command, int64_t& gpus);
+
 class WindowWorkers {
  public:
   /// Starts `count` of them on the cards 1 to `count`; this program has card 0. `words`: their

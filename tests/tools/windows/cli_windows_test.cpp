@@ -127,7 +127,7 @@ TEST_F(CliWindows, GoOnWhereTheyWereAndLoseNothing) {
   ASSERT_EQ(before.size(), 3u);
   EXPECT_TRUE(work.run_json(train("run"))["finished"]);
   EXPECT_EQ(work.written("run", "model.ply"), before) << "nothing is trained again";
-  work.expect_refused(train("run", {"--iterations", "13"}), {"another request", "iterations"});
+  work.expect_refused(train("run", {"--lr-opacity", "0.04"}), {"another request", "lr_opacity"});
   std::vector<std::string> longer = train("run");
   longer[5] = "0.7s";
   work.expect_refused(longer, {"holds 2 windows", "take another -o"});
@@ -173,7 +173,7 @@ TEST_F(CliWindows, ShareAStaticModelOfTheSameWorldAlone) {
   };
   work.expect_refused(window("run/windows/0000", {}), {"not what stands still", "unpack --static"});
   work.expect_refused(window("scene", {}), {"no finished training", "unpack --static"});
-  work.expect_refused(window("run/static", {"--filter-3d", "bake"}), {"--static-model"});
+  work.expect_refused(window("run/static", {"--filter-3d", "mip"}), {"--static-model"});
   work.expect_refused(window("run/static", {"--train-scale", "0.5"}), {"--train-scale 1"});
   EXPECT_EQ(work.run(window("run/static", {"--stop-after", "4"})).exit_code, 0);
   EXPECT_EQ(

@@ -6,7 +6,7 @@
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "tests/support/scratch_folder.h"
-#include "tools/commands/window_choice.h"
+#include "tools/windows/window_choice.h"
 
 namespace tessera::testing {
 namespace {

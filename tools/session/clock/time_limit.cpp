@@ -1,5 +1,5 @@
 // Parses durations and computes the time that is reserved for saving before the limit.
-#include "tools/session/time_limit.h"
+#include "tools/session/clock/time_limit.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // One camera after another, so that the frames of one alone are in memory.
-#include "ingest/prepared/static_scene.h"
+#include "ingest/derived/static_scene.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "ingest/files/folders.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
-#include "ingest/prepared/derived_scene.h"
+#include "ingest/derived/derived_scene.h"
 #include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/byte_medians.h"
@@ -69,7 +69,7 @@ void check_camera(const Scene& scene, const std::vector<int>& frames) {
         scene.path, first.camera_name, frames.size(), int64_t(kQuarters) * kLeastMoments));
 }
 
-/// Moments of a quarter, spread evenly.
+/// Frames of a quarter, spread evenly.
 std::vector<int> moments_of(const std::vector<int>& frames, size_t quarter) {
   const auto total = int64_t(frames.size());
   const int64_t begin = int64_t(quarter) * total / int64_t(kQuarters),

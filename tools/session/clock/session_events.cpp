@@ -1,5 +1,5 @@
 // Each event happens once after the same step; training comes when nothing else is left to do.
-#include "tools/session/session_events.h"
+#include "tools/session/clock/session_events.h"
 
 namespace tessera {
 

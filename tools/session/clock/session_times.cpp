@@ -1,5 +1,5 @@
 // Sums times and converts them to JSON.
-#include "tools/session/session_times.h"
+#include "tools/session/clock/session_times.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
 // Reads config.json and the log of a run folder.
-#include "tools/commands/earlier_training.h"
+#include "tools/live/earlier_training.h"
 
 #include <fmt/format.h>
 

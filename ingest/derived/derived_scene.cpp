@@ -1,5 +1,5 @@
 // Entries of clips and of image files differ in where they state the name of a frame.
-#include "ingest/prepared/derived_scene.h"
+#include "ingest/derived/derived_scene.h"
 
 #include <fmt/format.h>
 
