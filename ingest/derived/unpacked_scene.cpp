@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "ingest/derived/derived_scene.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/folders.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
-#include "ingest/derived/derived_scene.h"
 #include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"

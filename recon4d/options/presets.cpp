@@ -142,7 +142,7 @@ const std::vector<Preset>& presets() {
        "Yang's N3DV protocol with plain SH: opacity reset every 3000 steps, no carving",
        {{"opacity_reset_interval", 3000}, {"carve", false}}},
       {"3dgs",
-       "static 3DGS: one view a step, opacity reset, one timestep",
+       "static 3DGS: one view a step, opacity reset",
        {{"motion", "none"},
         {"idle_updates", "skip"},
         {"batch", 1},

@@ -22,7 +22,6 @@
 #include "tools/cli/terminal.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/commands/object_boxes.h"
-#include "tools/windows/windows_scores.h"
 #include "tools/export/formats.h"
 #include "tools/export/image_files.h"
 #include "tools/export/output_folder.h"
@@ -31,6 +30,7 @@
 #include "tools/session/locks.h"
 #include "tools/session/model_input.h"
 #include "tools/session/run_folder.h"
+#include "tools/windows/windows_scores.h"
 
 namespace tessera {
 namespace {

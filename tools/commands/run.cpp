@@ -19,9 +19,9 @@
 #include "tools/cli/training_terminal.h"
 #include "tools/commands/run_stages.h"
 #include "tools/commands/run_summary.h"
+#include "tools/view/view_server.h"
 #include "tools/windows/window_choice.h"
 #include "tools/windows/window_workers.h"
-#include "tools/view/view_server.h"
 
 namespace tessera {
 namespace {

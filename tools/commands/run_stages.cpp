@@ -26,15 +26,12 @@
 #include "tools/cli/run_record.h"
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/live/earlier_training.h"
-#include "tools/windows/train_windows.h"
-#include "tools/windows/window_choice.h"
-#include "tools/windows/windows_scores.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_outputs.h"
 #include "tools/export/run_successor.h"
 #include "tools/export/windows_export.h"
+#include "tools/live/earlier_training.h"
 #include "tools/live/live_training.h"
 #include "tools/live/stopped_training.h"
 #include "tools/live/view_child.h"
@@ -45,6 +42,9 @@
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
 #include "tools/web/web_page.h"
+#include "tools/windows/train_windows.h"
+#include "tools/windows/window_choice.h"
+#include "tools/windows/windows_scores.h"
 
 namespace tessera {
 namespace {

@@ -22,23 +22,23 @@
 #include "tools/cli/terminal.h"
 #include "tools/cli/train_arguments.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/live/earlier_training.h"
-#include "tools/windows/train_windows.h"
-#include "tools/windows/window_choice.h"
-#include "tools/windows/window_workers.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_successor.h"
+#include "tools/live/earlier_training.h"
 #include "tools/live/live_training.h"
 #include "tools/live/stopped_training.h"
 #include "tools/live/view_child.h"
+#include "tools/session/clock/time_limit.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
-#include "tools/session/clock/time_limit.h"
 #include "tools/session/train_session.h"
 #include "tools/session/train_start.h"
 #include "tools/view/view_server.h"
+#include "tools/windows/train_windows.h"
+#include "tools/windows/window_choice.h"
+#include "tools/windows/window_workers.h"
 
 namespace tessera {
 namespace {
@@ -251,9 +251,8 @@ void add_train_command(CLI::App& app, Work& work) {
   command.add_option("scene", parsed->request.scene, "prepared scene or D-NeRF folder")->required();
   command.add_option("-o,--out", parsed->request.run, "run folder")->required();
   command
-      .add_flag(
-          "--resume", parsed->resume,
-          "resume from the checkpoint; =auto: start, resume or leave as it is")
+      .add_flag("--resume", parsed->resume,
+                "resume from the checkpoint; =auto: start, resume or leave as it is")
       ->check(CLI::IsMember({"auto", "true"}));
   command.add_flag("--overwrite", parsed->request.overwrite,
                    "replace the run that is there once the new one is complete");

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/derived/static_scene.h"
-#include "ingest/prepared/transforms_json.h"
 #include "ingest/derived/unpacked_scene.h"
+#include "ingest/prepared/transforms_json.h"
 #include "kernels/base/parallel.h"
 #include "tools/cli/command.h"
 #include "tools/cli/output_place.h"

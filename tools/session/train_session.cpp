@@ -14,10 +14,10 @@
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/reduction/model_reduction.h"
 #include "recon4d/training/trainer.h"
+#include "tools/session/clock/session_events.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_writer.h"
-#include "tools/session/clock/session_events.h"
 #include "tools/session/session_results.h"
 #include "tools/session/training_setup.h"
 

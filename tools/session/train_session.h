@@ -12,8 +12,8 @@
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options.h"
 #include "recon4d/reduction/size_limit.h"
-#include "tools/session/session_observer.h"
 #include "tools/session/clock/time_limit.h"
+#include "tools/session/session_observer.h"
 
 namespace tessera {
 

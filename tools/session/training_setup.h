@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "tools/session/device_choice.h"
 #include "tools/session/clock/session_times.h"
+#include "tools/session/device_choice.h"
 #include "tools/session/static_model.h"
 #include "tools/session/train_start.h"
 

@@ -39,11 +39,11 @@ std::optional<SynthLayout> find_synth_layout(std::string_view name);
 struct SynthOptions {
   SynthScene scene = SynthScene::kRoom;
   SynthLayout layout = SynthLayout::kN3dv;
-  int cameras = 12;           // n3dv, videos; a dnerf capture is monocular and ignores it
-  int frames = 24;            // instants; in dnerf the number of training views
-  int repeat = 0;             // n3dv, videos: instants after which all moves back, and then again, so
-                              // that a long clip moves as fast as a short one; 0: as the clip has
-  int held_out_frames = 0;    // dnerf: views in each of val and test; 0: a fifth of frames, >= 4
+  int cameras = 12;         // n3dv, videos; a dnerf capture is monocular and ignores it
+  int frames = 24;          // instants; in dnerf the number of training views
+  int repeat = 0;           // n3dv, videos: instants after which all moves back, and then again, so
+                            // that a long clip moves as fast as a short one; 0: as the clip has
+  int held_out_frames = 0;  // dnerf: views in each of val and test; 0: a fifth of frames, >= 4
   int width = 0, height = 0;  // pixels; 0: 240 × 180, or 200 × 200 on nothing as dnerf
   FrameRate fps;
   uint64_t seed = 1;           // textures, colours, small offsets of furniture and cameras

@@ -9,21 +9,21 @@
 #include <set>
 #include <thread>
 
-#include "ingest/prepared/scene_reader.h"
 #include "ingest/derived/static_scene.h"
+#include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/run_record.h"
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/live/earlier_training.h"
-#include "tools/windows/window_workers.h"
 #include "tools/export/formats.h"
+#include "tools/live/earlier_training.h"
 #include "tools/live/stopped_training.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
+#include "tools/windows/window_workers.h"
 
 namespace tessera {
 namespace {
@@ -84,7 +84,8 @@ class WindowsTraining {
   /// The command of a program that trains windows of this folder, too.
   std::vector<std::string> worker_words() const {
     const double length = plan_.clip.duration / double(request_.count);
-    std::vector<std::string> words{"train", request_.scene.string(), "-o", folder_.root.string(),
+    std::vector<std::string> words{"train",     request_.scene.string(),
+                                   "-o",        folder_.root.string(),
                                    "--windows", fmt::format("{:.9f}s", length)};
     const std::vector<std::string> of_training = words_of(request_.arguments);
     words.insert(words.end(), of_training.begin(), of_training.end());

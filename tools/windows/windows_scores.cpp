@@ -9,11 +9,11 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/evaluation/border_scores.h"
-#include "tools/windows/joined_report.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/session/run_folder.h"
+#include "tools/windows/joined_report.h"
 
 namespace tessera {
 namespace {

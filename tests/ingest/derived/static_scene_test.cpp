@@ -4,10 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "ingest/derived/static_scene.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/prepared/scene_reader.h"
-#include "ingest/derived/static_scene.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

@@ -5,10 +5,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "ingest/derived/unpacked_scene.h"
 #include "ingest/files/png.h"
 #include "ingest/ingest.h"
 #include "ingest/prepared/scene_clip.h"
-#include "ingest/derived/unpacked_scene.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/ingest/video/test_video.h"
 
