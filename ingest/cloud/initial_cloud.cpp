@@ -174,14 +174,16 @@ bool has_model(const Capture& capture) {
 }
 
 /// Dense by itself for rigs; photo sets have their COLMAP points, and far too many images a
-/// timestep. A cloud that says what stands still is dense already.
+/// timestep. A cloud that says what stands still is dense already. Where frames stay in their
+/// videos, single timesteps cost much to read, and a training makes the cloud of the frames that it
+/// loads.
 CloudDensity density(const Capture& capture, const IngestOptions& options) {
   if (!capture.points.still.empty() && options.cloud != CloudDensity::kNone)
     return CloudDensity::kSparse;
   if (options.cloud) return *options.cloud;
-  return !has_model(capture) && cameras_of_a_timestep(capture) >= kFewestCameras
-             ? CloudDensity::kDense
-             : CloudDensity::kSparse;
+  if (has_model(capture) || cameras_of_a_timestep(capture) < kFewestCameras)
+    return CloudDensity::kSparse;
+  return capture.by_reference ? CloudDensity::kNone : CloudDensity::kDense;
 }
 
 /// Of the pixels of all frames of a sweep, those that look different at other timesteps.

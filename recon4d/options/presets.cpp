@@ -68,6 +68,9 @@ const OptionOverrides kBestStill =
 /// dynamic Gaussians start a few frames long, and cameras may differ in colour. Gaussians between
 /// the cameras and the scene cover the views of others.
 const OptionOverrides kAnyRig = {{"exposure", "auto"}, {"near_plane", 0}, {"moving_weight", 4}};
+/// What stands still in a clip is drawn as its windows are.
+const OptionOverrides kBackground = {
+    {"far_plane", 100}, {"filter_2d", true}, {"near_plane", 0}, {"exposure", "auto"}};
 /// What no training view shows would be grown at the cost of what moves.
 const OptionOverrides kRig =
     joined(kAnyRig, {{"min_blending_weight", 0.05}, {"spawn_missed", true}});
@@ -181,6 +184,8 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, 
       for (const auto& [key, value] : named.still_overrides) set_option(options, key, value);
       if (named.fits_to_views && facts.views > 0) fit_to_views(options, facts.views);
     }
+    if (facts.background && !named.rig_overrides.empty())
+      for (const auto& [key, value] : kBackground) set_option(options, key, value);
     if (facts.rig()) {
       for (const auto& [key, value] : named.rig_overrides) set_option(options, key, value);
       apply_rates(options, named.rig_rates, facts);
@@ -197,7 +202,8 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, 
 
 SceneFacts facts_of(const Scene& scene) {
   SceneFacts facts;
-  facts.still = scene.is_static && scene.static_of == 0;
+  facts.still = scene.is_static;
+  facts.background = scene.static_of > 0;
   const CameraRig rig = make_camera_rig(scene.training_cameras());
   facts.extent = rig.extent;
   facts.views = int64_t(rig.cameras.size());
@@ -212,7 +218,6 @@ SceneFacts facts_of(const Scene& scene) {
   facts.cameras = std::count_if(frames.begin(), frames.end(), [&](const auto& camera) {
     return 2 * camera.second >= facts.timesteps;
   });
-  if (scene.static_of > 0) facts.timesteps = scene.static_of;
   return facts;
 }
 

@@ -21,7 +21,8 @@ inline OptionOverrides joined(OptionOverrides first, const OptionOverrides& seco
 
 /// The properties of a scene that presets depend on.
 struct SceneFacts {
-  bool still = false;         // one timestep, which is no background of a clip
+  bool still = false;         // one timestep
+  bool background = false;    // likewise, of what stands still in the clip of a rig
   int64_t camera_pixels = 0;  // of the distinct training cameras together; 0: not known
   int64_t views = 0;          // distinct training cameras; 0: not known
   int64_t cameras = 0;        // that film at once: with half as many training frames as the longest

@@ -84,7 +84,7 @@ void report_pruning(const PruningChoice& choice, int64_t before, ReductionReport
   report.knee = choice.knee;
   report.error_per_byte = choice.error_per_byte;
   report.goal = choice.goal;
-  report.removed = before - choice.after;
+  report.removed += before - choice.after;
 }
 
 void report_colour(const StateEdit& edit, ReductionReport& report) {
@@ -134,6 +134,9 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
       report_pass(*contributions, sample, report);
       decision = decide_motion(backend_, trainer.drawn_model(), *contributions, sample, due);
       report_motion(decision, report);
+    } else {
+      decision.edit.dropped[1] = still_dynamic(measure({}));
+      report.removed += int64_t(decision.edit.dropped[1].size());
     }
     if (due.spawn_missed) {
       GaussianSet spawned =

@@ -52,6 +52,16 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Contributio
   return order;
 }
 
+std::vector<int64_t> still_dynamic(const Contributions& contributions) {
+  constexpr float kLeastMoving = 0.1F;  // of the light
+  std::vector<int64_t> elements;
+  const SetContributions& set = contributions.sets[1];
+  for (size_t n = 0; contributions.motion_known && n < set.weight.size(); ++n)
+    if (set.weight[n] > 0 && set.moving[n] < kLeastMoving * set.weight[n])
+      elements.push_back(int64_t(n));
+  return elements;
+}
+
 int64_t knee_count(const std::vector<Removal>& order, const Contributions& contributions,
                    double least_share) {
   const auto count = int64_t(order.size());

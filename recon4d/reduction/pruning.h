@@ -39,6 +39,11 @@ struct Removal {
 std::vector<Removal> removal_order(const GaussianModel& model, const Contributions& contributions,
                                    bool static_is_frozen = false, const ByteRates& rates = {});
 
+/// Dynamic Gaussians, ascending, that have less than a tenth of their light in pixels that may
+/// move. Beside a static set that is frozen they correct what it shows of the training views, in
+/// each window of a clip in another way, and go. None where it is not known what moves.
+std::vector<int64_t> still_dynamic(const Contributions& contributions);
+
 /// Gaussians that are left where the curve of ln(bytes) and dB, as removals in this order add to
 /// it, is farthest above the line from its end of `least_share` of the bytes to its beginning, each
 /// axis scaled to [0, 1]. No fewer than one, if there are any. Those that were not seen are counted

@@ -24,6 +24,16 @@ int64_t largest_good(int64_t low, int64_t high, int64_t step,
 
 }  // namespace
 
+GaussianModel without_still_dynamic(Backend& backend, const GaussianModel& model,
+                                    const FrameSample& sample) {
+  const std::vector<int64_t> still = still_dynamic(measure_contributions(backend, model, sample));
+  KeptElements kept;
+  for (int64_t n = 0; n < model.static_set.count(); ++n) kept.set_elements[0].push_back(n);
+  for (int64_t n = 0; n < model.dynamic_set.count(); ++n)
+    if (!std::binary_search(still.begin(), still.end(), n)) kept.set_elements[1].push_back(n);
+  return with_elements(model, kept);
+}
+
 GaussianModel fit_to_limit(const SizeLimit& limit, Backend& backend, const GaussianModel& model,
                            const FrameSample& sample) {
   const int first = limit.static_is_frozen ? 1 : 0;

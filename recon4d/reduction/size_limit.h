@@ -22,6 +22,10 @@ struct SizeLimit {
   std::function<double(const GaussianModel& model)> psnr = {};  // for `least_psnr`
 };
 
+/// Without what still_dynamic() names, in the host's memory: of a model whose static set is frozen.
+GaussianModel without_still_dynamic(Backend& backend, const GaussianModel& model,
+                                    const FrameSample& sample);
+
 /// Gaussians without blending weight in the frames of `sample` are gone, and no more of the others
 /// than are asked for: exactly `gaussians` are left, or all where there are fewer; the largest
 /// number whose file has no more than `bytes`; or the smallest whose PSNR is not below

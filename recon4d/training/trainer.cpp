@@ -90,7 +90,9 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       schedule_(options, rig_.extent),
       sampler_(int64_t(train_frames_.size()), uint64_t(options.seed)),
       cache_(backend.memory(), scene, train_frames_, options.feed_bytes, options.batch,
-             options.moving_weight > 0 ? moving_masks(scene, train_frames_) : FrameMasks()),
+             options.moving_weight > 0 || state_.static_is_frozen
+                 ? moving_masks(scene, train_frames_)
+                 : FrameMasks()),
       pipeline_(backend),
       gradients_{state_.model.static_set.like(backend.memory()),
                  state_.model.dynamic_set.like(backend.memory())},

@@ -161,7 +161,8 @@ void add_image_options(CLI::App& command, IngestArguments& arguments) {
       "--cloud", arguments.cloud,
       "initial points: none, sparse (the capture's, else COLMAP's), dense (and a plane "
       "sweep); "
-      "default: dense where three training cameras share timesteps");
+      "default: dense where three training cameras share timesteps; none where frames stay in "
+      "videos, as each training makes its own");
   command
       .add_option("--cloud-points", options.cloud_points,
                   "largest number of points of the plane sweep")

@@ -77,10 +77,12 @@ bool was_scored(const std::filesystem::path& log, int64_t step) {
 std::optional<GaussianModel> shipped_model(Trainer& trainer, const TrainOptions& options,
                                            const Validation& validation, Backend& backend,
                                            const ShippedBytes& shipped_bytes, bool is_final) {
-  const bool fits = is_final && prunes_after_growth(options);
-  if (validation.best() == nullptr && !fits) return std::nullopt;
+  const bool fits = is_final && prunes_after_growth(options),
+             is_beside = is_final && trainer.state().static_is_frozen;
+  if (validation.best() == nullptr && !fits && !is_beside) return std::nullopt;
   GaussianModel best =
       validation.best() != nullptr ? validation.shipped() : trainer.host_model().clone_values();
+  if (is_beside) best = without_still_dynamic(backend, best, trainer.sample_frames());
   if (!fits) return best;
   SizeLimit limit = size_limit(options, validation, shipped_bytes);
   limit.static_is_frozen = trainer.state().static_is_frozen;
