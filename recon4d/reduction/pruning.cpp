@@ -53,7 +53,7 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Contributio
 }
 
 std::vector<int64_t> still_dynamic(const Contributions& contributions) {
-  constexpr float kLeastMoving = 0.1F;  // of the light
+  constexpr float kLeastMoving = 0.4F;  // of the light
   std::vector<int64_t> elements;
   const SetContributions& set = contributions.sets[1];
   for (size_t n = 0; contributions.motion_known && n < set.weight.size(); ++n)
