@@ -1,11 +1,14 @@
 // Sums of bytes in 64 bits, and the constants of the two models of time.
 #include "recon4d/options/forecast.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <set>
 #include <vector>
 
+#include "kernels/base/errors.h"
 #include "kernels/gaussians.h"
 #include "kernels/math/spherical_harmonics.h"
 
@@ -113,6 +116,17 @@ ForecastLoad forecast_load(const Scene& scene) {
   load.still = timesteps <= 1;
   load.rig = timesteps > 1 && load.training_frames > timesteps;
   return load;
+}
+
+void check_fits_memory(const Scene& scene, int64_t memory) {
+  constexpr double kMost = 0.9;
+  const ForecastLoad load = forecast_load(scene);
+  const int64_t bytes = load.image_bytes + load.mask_bytes + load.moving_mask_bytes;
+  if (double(bytes) <= kMost * double(memory)) return;
+  throw InputError(fmt::format(
+      "{}: its images take {:.1f} GB, and this machine has {:.1f} GB of memory; train a rig of "
+      "fixed cameras in windows (--windows auto), or prepare the capture with a smaller --scale",
+      scene.path, double(bytes) / 1e9, double(memory) / 1e9));
 }
 
 TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& options) {

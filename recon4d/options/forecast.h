@@ -28,6 +28,10 @@ struct ForecastLoad {
 /// What a training of the scene would load, by its cameras, sizes and masks; no pixels are needed.
 ForecastLoad forecast_load(const Scene& scene);
 
+/// Errors: InputError, before any image is read: the images and masks of a scene without pixels
+/// would take nearly all of `memory`, bytes that programs can have in all.
+void check_fits_memory(const Scene& scene, int64_t memory);
+
 struct TrainForecast {
   int64_t gaussians = 0;           // at the end of growth
   int64_t frame_bytes = 0;         // of frames and masks on the host

@@ -81,7 +81,7 @@ async function aloneAt(asked) {
   const images = [];
   let opened, shown;
   for (const [i, seconds] of asked) {
-    if (i !== shheld) {
+    if (i !== shown) {
       if (opened) await close(opened);
       opened = await open(`window${i}.t4d`, 'ui=0&paused');
       shown = i;

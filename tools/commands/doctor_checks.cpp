@@ -23,6 +23,7 @@
 #include "recon4d/options/forecast.h"
 #include "recon4d/options/presets.h"
 #include "tools/cli/terminal.h"
+#include "tools/commands/windows_forecast.h"
 #include "tools/session/device_choice.h"
 
 namespace tessera {
@@ -189,7 +190,12 @@ void add_forecast(const Scene& all, DoctorReport& report) {
   }
   report.tables["forecast"] = std::move(table);
   const int64_t memory = machine_memory();
-  if (most_frames > memory * 8 / 10)
+  const WindowsForecast windows = forecast_windows(all, memory, thread_count());
+  report.tables["windows"] = windows.table;
+  if (!windows.line.empty())
+    add({{windows.fits ? Severity::kInfo : Severity::kError, "forecast", "", windows.line, ""}},
+        report);
+  if (windows.windows <= 1 && windows.fits && most_frames > memory * 8 / 10)
     add({{Severity::kError, "forecast", "",
           fmt::format("the frames of all splits and their masks take {:.1f} GiB, this machine has "
                       "{:.1f}",

@@ -260,10 +260,13 @@ json evaluate_clip(const EvaluateRequest& request, const WindowsFolder& folder, 
   scores["model"] = folder.root.string();
   scores["scene"] = folder.read().scene;
   scores["backend"] = backend.name();
+  const json& borders = scores["borders"];
   text = fmt::format(
-      "{}\n{} windows over {} static Gaussians, {} dynamic ones in all, at most {} "
-      "at a time",
-      scores_text(scores, score_detail()), windows, scores["num_static"].get<int64_t>(),
+      "{}\n  temporal error across borders {}/255, inside {}/255; of moving pixels {} and {}\n{} "
+      "windows over {} static Gaussians, {} dynamic ones in all, at most {} at a time",
+      scores_text(scores, score_detail()), number_text(borders["border"], 2),
+      number_text(borders["inside"], 2), number_text(borders["border_moving"], 2),
+      number_text(borders["inside_moving"], 2), windows, scores["num_static"].get<int64_t>(),
       scores["num_dynamic"].get<int64_t>(), scores["peak_gaussians"].get<int64_t>());
   return scores;
 }

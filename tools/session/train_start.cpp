@@ -15,11 +15,13 @@
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/motion/nodes.h"
+#include "recon4d/options/forecast.h"
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/motion_trial.h"
 #include "recon4d/training/scene_scale.h"
 #include "recon4d/training/shown_pixels.h"
+#include "tools/session/device_choice.h"
 #include "tools/session/static_model.h"
 #include "tools/session/version.h"
 
@@ -135,7 +137,11 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
   scene_options.window = window;
   scene_options.background = parse_background(options.background);
   scene_options.allow_static = options.motion == Motion::kNone;
-  return scaled_scene(load_scene(path, scene_options), options.train_scale);
+  const SceneFiles files(path, scene_options.allow_static, window);
+  scene_options.load_pixels = false;
+  check_fits_memory(files.load(scene_options), machine_memory());
+  scene_options.load_pixels = true;
+  return scaled_scene(files.load(scene_options), options.train_scale);
 }
 
 std::vector<std::string> training_warnings(const Scene& scene, const TrainOptions& options) {

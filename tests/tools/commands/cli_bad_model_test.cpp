@@ -102,7 +102,7 @@ TEST_F(CliBadModel, IsOfTheFuture) {
   const std::string manifest = work.read("4d/manifest.json");
   work.edit_json("4d/manifest.json", [](nlohmann::json& file) { file["version"] = 9; });
   work.expect_refused({"export", work.at("4d"), "-o", work.at("out")},
-                      {"manifest.json", "version 9", "reads up to 2", "newer"});
+                      {"manifest.json", "version 9", "reads up to 3", "newer"});
   EXPECT_FALSE(fs::exists(work / "out"));
   work.write("4d/manifest.json", manifest.substr(0, manifest.size() / 2));
   work.expect_refused({"export", work.at("4d"), "-o", work.at("out")}, {"manifest.json", "JSON"});

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -145,6 +147,84 @@ TEST_F(CliWindows, GoOnWhereTheyWereAndLoseNothing) {
   work.expect_refused({"evaluate", work.at("run")}, {"1 of 2 windows", "window 2"});
   work.run_json(train("run"));
   EXPECT_EQ(work.read("run/windows/0001/model.ply"), lost);
+}
+
+// Finds: a stage of `run` that looks for one model; a second run that trains again; a successor
+// whose windows name the folder in which they were made, or that leaves the old windows behind.
+TEST_F(CliWindows, ComeOutOfRunAsOneResult) {
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"run",
+                                   work.at("room"),
+                                   "-o",
+                                   work.at("out"),
+                                   "--windows",
+                                   "1s",
+                                   "--backend",
+                                   "cpu",
+                                   "--threads",
+                                   "2",
+                                   "--batch",
+                                   "1",
+                                   "--init-points",
+                                   "300",
+                                   "--sweep",
+                                   "false",
+                                   "--cloud",
+                                   "none"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  const json result = work.run_json(run({"--iterations", "12"}));
+  EXPECT_EQ(result["windows"], 2);
+  EXPECT_EQ(result["training"]["windows"], 2);
+  EXPECT_EQ(json::parse(work.read("out/run/metrics.json"))["per_view"].size(), 48u);
+  if (TESSERA_HAS_PLAYER) {
+    EXPECT_EQ(open_tessera4d(work / "out/player").windows().size(), 2u);
+    EXPECT_TRUE(fs::exists(work / "out/report/index.html"));
+  }
+  const WrittenFiles before = work.written("out", "model.ply");
+  ASSERT_EQ(before.size(), 3u);
+  work.run_json(run({"--iterations", "12"}));
+  EXPECT_EQ(work.written("out", "model.ply"), before);
+  work.expect_refused(run({"--iterations", "14"}), {"holds a finished run", "iterations 12 → 14"});
+  EXPECT_EQ(work.written("out", "model.ply"), before);
+  work.run_json(run({"--iterations", "14", "--overwrite"}));
+  EXPECT_EQ(work.written("out", "model.ply").size(), 3u);
+  EXPECT_NE(work.written("out", "model.ply"), before);
+  EXPECT_FALSE(fs::exists(work / "out/next"));
+  EXPECT_FALSE(fs::exists(work / "out/previous"));
+  EXPECT_EQ(json::parse(work.read("out/run/windows.json"))["scene"],
+            fs::absolute(work / "out/scene").string());
+  EXPECT_EQ(work.run({"evaluate", work.at("out"), "--backend", "cpu"}).exit_code, 0);
+}
+
+// Finds: two programs that train the same window; one that ends before the other has done its part;
+// a window that a killed program has left for ever; other bytes by another course of events.
+TEST_F(CliWindows, AreSharedByProgramsAndOutliveAKilledOne) {
+  work.run_json(train("run"));
+  std::map<std::string, std::string> models;
+  for (const auto& [file, time] : work.written("run", "model.ply"))
+    models[fs::relative(file, work / "run").string()] = work.read(fs::relative(file, work.path()));
+  const auto same_as_alone = [&](const std::string& out) {
+    for (const auto& [file, bytes] : models)
+      EXPECT_TRUE(work.read(out + "/" + file) == bytes) << out << "/" << file;
+  };
+  {
+    fs::create_directories(work / "other");
+    ChildProcess one(train("two"), work.path()), other(train("two"), work / "other");
+    EXPECT_EQ(one.wait().exit_code, 0);
+    EXPECT_EQ(other.wait().exit_code, 0);
+  }
+  same_as_alone("two");
+  {
+    ChildProcess killed(train("killed"), work.path());
+    ASSERT_TRUE(
+        killed.wait_until([&] { return fs::exists(work / "killed/windows/0000/config.json"); }));
+    killed.send(SIGKILL);
+    EXPECT_EQ(killed.wait().signal, SIGKILL);
+  }
+  EXPECT_TRUE(work.run_json(train("killed"))["finished"]);
+  same_as_alone("killed");
 }
 
 // Finds: a static set of another scene or with what moves is taken; options that change static
