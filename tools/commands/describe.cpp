@@ -90,8 +90,8 @@ json describe_tessera4d(const fs::path& path, bool with_shipped) {
   const bool folder = path.filename() == kTessera4dManifest;
   const fs::path place = folder ? path.parent_path() : path;
   if (open_tessera4d(place).windows().size() > 1) return describe_windowed_file(place);
-  Tessera4dInput input = load_tessera4d(folder ? path.parent_path() : path);
-  json info = described("Tessera 4D file", folder ? path.parent_path() : path);
+  Tessera4dInput input = load_tessera4d(place);
+  json info = described("Tessera 4D file", place);
   info["bytes"] = input.bytes;
   info["lossless"] = input.manifest.lossless;
   info["generator"] = input.manifest.generator;

@@ -243,15 +243,7 @@ json evaluate_clip(const EvaluateRequest& request, const WindowsFolder& folder, 
     options.lpips = [lpips](const Image8& drawn, const Image8& truth) {
       return lpips->distance(drawn, truth);
     };
-  const auto windows = int64_t(folder.read().windows.size());
-  ProgressBar bar("evaluate");
-  json scores =
-      score_windows(backend, folder, requested_splits(request), options,
-                    [&](int64_t window, const Frame&, const RenderedImage&, const ViewScore& view) {
-                      stop_if_interrupted();
-                      bar.update(window, windows, fmt::format("{:.2f} dB", view.psnr));
-                    });
-  bar.clear();
+  json scores = score_windows(backend, folder, requested_splits(request), options);
   if (scores.empty())
     throw InputError(
         fmt::format("{}: no frames are held out; pass --split train to score what was "
@@ -266,8 +258,9 @@ json evaluate_clip(const EvaluateRequest& request, const WindowsFolder& folder, 
       "windows over {} static Gaussians, {} dynamic ones in all, at most {} at a time",
       scores_text(scores, score_detail()), number_text(borders["border"], 2),
       number_text(borders["inside"], 2), number_text(borders["border_moving"], 2),
-      number_text(borders["inside_moving"], 2), windows, scores["num_static"].get<int64_t>(),
-      scores["num_dynamic"].get<int64_t>(), scores["peak_gaussians"].get<int64_t>());
+      number_text(borders["inside_moving"], 2), scores["windows"].get<int64_t>(),
+      scores["num_static"].get<int64_t>(), scores["num_dynamic"].get<int64_t>(),
+      scores["peak_gaussians"].get<int64_t>());
   return scores;
 }
 

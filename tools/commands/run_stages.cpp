@@ -327,14 +327,7 @@ class Runner {
   bool evaluate_windows() {
     return do_stage(kEvaluate, of_training({}), run_.metrics(), [&] {
       const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
-      ProgressBar bar("evaluate");
-      const json scores = score_windows(
-          *backend, WindowsFolder{run_.root}, kHeldOutSplits, {},
-          [&](int64_t window, const Frame&, const RenderedImage&, const ViewScore& view) {
-            stop_if_interrupted();
-            bar.update(window, windows_, fmt::format("{:.2f} dB", view.psnr));
-          });
-      bar.clear();
+      const json scores = score_windows(*backend, WindowsFolder{run_.root}, kHeldOutSplits);
       write_text_file(run_.metrics(), scores.dump(2));
       return std::optional(scores);
     });

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "ingest/clocks/windows.h"
@@ -20,16 +21,15 @@ constexpr double kBesideSteps = 2;       // cloud, decisions and scores, by the 
 
 /// The frames of the window in the middle, which has timesteps beyond both ends.
 Scene middle_window(const Scene& scene, int64_t windows) {
-  int64_t timesteps = 0;
-  for (const Frame& frame : scene.frames) timesteps = std::max(timesteps, frame.timestep + 1);
   Window window;
   window.index = windows / 2;
   window.count = windows;
-  const TimestepRange range = range_of(window, timesteps);
-  Scene part = scene;
-  std::erase_if(part.frames, [&](const Frame& frame) {
-    return frame.timestep < range.first || frame.timestep > range.last;
-  });
+  const TimestepRange range = range_of(window, timesteps_of(scene));
+  Scene part;
+  std::copy_if(scene.frames.begin(), scene.frames.end(), std::back_inserter(part.frames),
+               [&](const Frame& frame) {
+                 return frame.timestep >= range.first && frame.timestep <= range.last;
+               });
   return part;
 }
 

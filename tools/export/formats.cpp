@@ -12,7 +12,6 @@
 #include "recon4d/model/element_edits.h"
 #include "recon4d/model/model_file.h"
 #include "static3d/formats/frame_sequence.h"
-#include "static3d/tessera4d/tessera4d.h"
 #include "static3d/transform/world_change.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/interrupt.h"
@@ -27,22 +26,8 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr const char* kSingleFile = "scene.t4d";
-
-Tessera4dOptions options_of(const ExportRequest& request, const GaussianModel& model) {
-  Tessera4dOptions options;
-  options.segment_seconds = request.segment_seconds;
-  options.lossless = request.lossless;
-  Rig rig = rig_of(request.cameras, request.model, model);
-  options.cameras = std::move(rig.cameras);
-  options.fps = request.times.fps.value_or(rig.fps);
-  if (!request.audio.empty()) options.audio = fs::path(request.audio).filename().string();
-  options.generator = fmt::format("tessera {}", kVersionText);
-  return options;
-}
-
 Tessera4dFile encoded(const ExportRequest& request, const GaussianModel& model) {
-  return encode_tessera4d(model, options_of(request, model));
+  return encode_tessera4d(model, tessera4d_options(request, model));
 }
 
 json result_of(const Tessera4dFile& file, int64_t files, int64_t bytes) {
@@ -89,7 +74,7 @@ json write_one(const ExportRequest& request, const Tessera4dFile& file, const ch
 json write_tessera(const ExportRequest& request, GaussianModel& model) {
   if (!request.single) return write_folder(request, model, false);
   const Tessera4dFile file = encoded(request, model);
-  return write_one(request, file, kSingleFile, single_tessera4d(file));
+  return write_one(request, file, kSingleTessera4d, single_tessera4d(file));
 }
 
 json write_page(const ExportRequest& request, GaussianModel& model) {
@@ -162,6 +147,18 @@ void warn_of_range(const ExportRequest& request, const SequenceReport& report) {
 
 }  // namespace
 
+Tessera4dOptions tessera4d_options(const ExportRequest& request, const GaussianModel& model) {
+  Tessera4dOptions options;
+  options.segment_seconds = request.segment_seconds;
+  options.lossless = request.lossless;
+  Rig rig = rig_of(request.cameras, request.model, model);
+  options.cameras = std::move(rig.cameras);
+  options.fps = request.times.fps.value_or(rig.fps);
+  if (!request.audio.empty()) options.audio = fs::path(request.audio).filename().string();
+  options.generator = fmt::format("tessera {}", kVersionText);
+  return options;
+}
+
 const std::vector<TimeFormat>& time_formats() {
   static const std::vector<TimeFormat> rows = {
       {"tessera", "Tessera 4D: manifest.json and blocks that players stream; --single: one .t4d",
@@ -183,7 +180,7 @@ int64_t shipped_bytes(const std::string& path, const GaussianModel& model) {
   ExportRequest request;
   request.model = path;
   const GaussianModel exported = model_in_source_world(model);
-  const Tessera4dFile file = encode_tessera4d(exported, options_of(request, exported));
+  const Tessera4dFile file = encode_tessera4d(exported, tessera4d_options(request, exported));
   return int64_t(single_tessera4d(file).size());
 }
 
@@ -196,7 +193,7 @@ void check_max_bytes(const std::string& scene, int64_t max_bytes) {
   const GaussianModel model = least_model(scene);
   ExportRequest request;
   request.cameras = scene;
-  const Tessera4dOptions options = options_of(request, model);
+  const Tessera4dOptions options = tessera4d_options(request, model);
   const auto least = int64_t(single_tessera4d(encode_tessera4d(model, options)).size());
   if (max_bytes >= least) return;
   throw InputError(

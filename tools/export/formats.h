@@ -8,6 +8,7 @@
 
 #include "recon4d/model/gaussian_set.h"
 #include "recon4d/reduction/size_limit.h"
+#include "static3d/tessera4d/tessera4d.h"
 #include "tools/camera_paths/export_times.h"
 
 namespace tessera {
@@ -40,6 +41,11 @@ struct TimeFormat {
 const std::vector<TimeFormat>& time_formats();
 /// Nothing where frames are meant.
 const TimeFormat* find_time_format(const std::string& name);
+
+constexpr const char* kSingleTessera4d = "scene.t4d";
+/// What a request says of the Tessera 4D file of `model`: with the cameras of the rig and its rate.
+/// Errors: as rig_of.
+Tessera4dOptions tessera4d_options(const ExportRequest& request, const GaussianModel& model);
 
 /// Bytes of the file that `tessera export PATH --format tessera --single` writes for a model of
 /// `path`, encoded in memory: three seconds of one core for 100,000 Gaussians.

@@ -11,21 +11,17 @@
 #include "recon4d/model/model_file.h"
 #include "static3d/tessera4d/windowed_file.h"
 #include "static3d/transform/world_change.h"
-#include "tools/camera_paths/camera_views.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/export/output_folder.h"
 #include "tools/export/player_files.h"
 #include "tools/session/run_folder.h"
-#include "tools/session/version.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-constexpr const char* kSingleFile = "scene.t4d";
 
 GaussianModel exported_model(const fs::path& run, bool keep_world) {
   const GaussianModel model = load_model(RunFolder{run}.model());
@@ -59,14 +55,14 @@ class WindowsExport {
       if (const std::string sound = fs::path(request_.audio).filename().string(); !sound.empty())
         add(output, sound, read_text_file(request_.audio), bytes, files);
     } else {
-      const fs::path single = output.path(kSingleFile);
+      const fs::path single = output.path(kSingleTessera4d);
       single_from_folder(blocks, single);
       fs::remove_all(blocks);
       if (page) {
         add(output, kPageFile, page_with(read_text_file(single), head), bytes, files);
         fs::remove(single);
       } else {
-        output.add(kSingleFile);
+        output.add(kSingleTessera4d);
         bytes += int64_t(fs::file_size(single));
         ++files;
       }
@@ -109,17 +105,9 @@ class WindowsExport {
   }
 
   Tessera4dOptions options_of(const GaussianModel& fixed) const {
-    Tessera4dOptions options;
-    options.segment_seconds = request_.segment_seconds;
-    options.lossless = request_.lossless;
-    const std::string scene =
-        request_.cameras.empty() ? scene_of_windows(folder_, plan_).string() : request_.cameras;
-    Rig rig = rig_of(scene, request_.model, fixed);
-    options.cameras = std::move(rig.cameras);
-    options.fps = request_.times.fps.value_or(rig.fps);
-    if (!request_.audio.empty()) options.audio = fs::path(request_.audio).filename().string();
-    options.generator = fmt::format("tessera {}", kVersionText);
-    return options;
+    ExportRequest whole = request_;
+    if (whole.cameras.empty()) whole.cameras = scene_of_windows(folder_, plan_).string();
+    return tessera4d_options(whole, fixed);
   }
 
   Tessera4dWritten write_file(const fs::path& blocks, const GaussianModel& fixed) {

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 #include <regex>
-#include <tuple>
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
@@ -101,23 +100,26 @@ RunFolder run_of_model(const std::filesystem::path& model) {
 
 }  // namespace
 
+std::string moved_scene(const std::filesystem::path& run, const std::filesystem::path& scene) {
+  const std::filesystem::path root = std::filesystem::absolute(run / "").parent_path(),
+                              above = root.parent_path();
+  const struct {
+    bool fits;
+    std::filesystem::path place;
+  } known[] = {{root.filename() == "run", above / "scene"},
+               {root.filename() == "static", above / "static_scene"},
+               {above.filename() == "windows", above.parent_path().parent_path() / "scene"}};
+  for (const auto& [fits, place] : known)
+    if (fits && scene.filename() == place.filename() &&
+        std::filesystem::exists(place / "transforms.json"))
+      return place.string();
+  return "";
+}
+
 std::string scene_of_model(const std::filesystem::path& model) {
   const RunFolder run = run_of_model(model);
   const std::string scene = run.scene();
-  if (scene.empty() || std::filesystem::exists(scene)) return scene;
-  const std::filesystem::path name = std::filesystem::path(scene).filename();
-  const std::filesystem::path root = std::filesystem::absolute(run.root / "").parent_path();
-  // of an OUT of `tessera run`, and of the windows of a clip in its run/
-  for (const auto& [inner, outer, scene_name] :
-       {std::tuple{"run", root.parent_path(), "scene"},
-        {"static", root.parent_path(), "static_scene"},
-        {"", root.parent_path().parent_path().parent_path(), "scene"}}) {
-    const bool is_window = root.parent_path().filename() == "windows";
-    const bool fits = std::string(inner).empty() ? is_window : root.filename() == inner;
-    if (fits && name == scene_name && std::filesystem::exists(outer / name / "transforms.json"))
-      return (outer / name).string();
-  }
-  return "";
+  return scene.empty() || std::filesystem::exists(scene) ? scene : moved_scene(run.root, scene);
 }
 
 std::optional<Window> core_of_model(const std::filesystem::path& model,

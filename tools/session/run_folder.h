@@ -50,6 +50,11 @@ struct RunFolder {
 /// `path` as it is.
 std::filesystem::path run_folder_of(const std::filesystem::path& path);
 
+/// `scene` of the run folder `run`, which was moved with it: the scene in the OUT of `tessera run`,
+/// of its run, of the windows of a clip in that run, or of the static set of these. "" where none
+/// lies there.
+std::string moved_scene(const std::filesystem::path& run, const std::filesystem::path& scene);
+
 /// The scene that a model was trained on: `model` is a run folder, an OUT of `tessera run`, or lies
 /// in a run folder. Where the scene that config.json names is gone, e.g. because OUT was moved, the
 /// scene in OUT. "" where no run names one, or both are gone.

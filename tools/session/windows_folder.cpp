@@ -139,10 +139,7 @@ std::vector<int64_t> WindowsFolder::missing(const WindowsPlan& plan) const {
 
 fs::path scene_of_windows(const WindowsFolder& folder, const WindowsPlan& plan) {
   if (fs::exists(plan.scene)) return plan.scene;
-  const fs::path root = fs::absolute(folder.root / "").parent_path(),
-                 beside = root.parent_path() / "scene";
-  const bool of_a_run = root.filename() == "run" && fs::path(plan.scene).filename() == "scene";
-  if (of_a_run && fs::exists(beside / "transforms.json")) return beside;
+  if (const std::string moved = moved_scene(folder.root, plan.scene); !moved.empty()) return moved;
   throw InputError(fmt::format("{}: its scene {} is gone; put it back there",
                                folder.plan_file().string(), plan.scene));
 }

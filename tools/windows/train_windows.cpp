@@ -69,7 +69,8 @@ class WindowsTraining {
       if (!is_run_locked(folder_.root)) {
         try {
           const RunLock lock(folder_.root, terminal_);
-          return make_plan() && make_static();
+          if (!folder_.exists()) make_plan();
+          return make_static();
         } catch (const InputError&) {
           if (!is_run_locked(folder_.root)) throw;  // another program was faster
         }
@@ -108,8 +109,7 @@ class WindowsTraining {
                                  count == request_.count ? ", whose files have changed" : ""));
   }
 
-  bool make_plan() {
-    if (folder_.exists()) return true;
+  void make_plan() {
     if (!request_.reason.empty()) say(request_.reason);
     const Scene scene = listed_scene(request_.scene);
     plan_.scene = fs::absolute(request_.scene).string();
@@ -117,7 +117,6 @@ class WindowsTraining {
     plan_.windows = cut_clip(scene, request_.count, plan_.overlap);
     plan_.scene_files = files_of_scene();
     folder_.write(plan_);
-    return true;
   }
 
   const std::string& files_of_scene() {

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "ingest/clocks/windows.h"
 #include "ingest/ingest.h"
 #include "kernels/base/errors.h"
+#include "recon4d/options/forecast.h"
 #include "tools/session/clock/time_limit.h"
 
 namespace tessera {
@@ -19,12 +19,6 @@ namespace {
 constexpr double kWindowSeconds = 5;
 constexpr int64_t kLeastTimesteps = 12;  // of a window's core
 constexpr double kMemoryShare = 0.5;     // that the images of a training may take
-
-int64_t timesteps_of(const Scene& scene) {
-  int64_t last = -1;
-  for (const Frame& frame : scene.frames) last = std::max(last, frame.timestep);
-  return last + 1;
-}
 
 }  // namespace
 
@@ -43,15 +37,10 @@ WindowWish parse_windows(const std::string& text) {
   return {WindowWish::Kind::kLength, seconds};
 }
 
-int64_t image_bytes(const Scene& scene) {
-  int64_t bytes = 0;
-  std::set<const Image8*> masks;
-  for (const Frame& frame : scene.frames) {
-    const int64_t pixels = int64_t(frame.image.width) * frame.image.height;
-    bytes += 3 * pixels;
-    if (frame.mask.shared() != nullptr && masks.insert(frame.mask.shared()).second) bytes += pixels;
-  }
-  return bytes;
+int64_t timesteps_of(const Scene& scene) {
+  int64_t last = -1;
+  for (const Frame& frame : scene.frames) last = std::max(last, frame.timestep);
+  return last + 1;
 }
 
 std::string reason_against_windows(const Scene& scene) {
@@ -75,7 +64,8 @@ WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t 
   if (wish.kind == WindowWish::Kind::kNone) return {};
   const bool is_asked = wish.kind == WindowWish::Kind::kLength;
   const double seconds = scene.time_axis.duration;
-  const int64_t bytes = image_bytes(scene), timesteps = timesteps_of(scene);
+  const ForecastLoad load = forecast_load(scene);
+  const int64_t bytes = load.image_bytes + load.mask_bytes, timesteps = timesteps_of(scene);
   const auto room = int64_t(kMemoryShare * double(memory));
   if (!is_asked && seconds <= kLongClip && bytes <= room) return {};
   if (const std::string reason = reason_against_windows(scene); !reason.empty()) {

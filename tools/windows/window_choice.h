@@ -31,8 +31,8 @@ struct WindowChoice {
 /// than a few timesteps.
 WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t memory);
 
-/// Bytes of the images and masks of frames in memory.
-int64_t image_bytes(const Scene& scene);
+/// Of all splits together, by the numbers of their frames.
+int64_t timesteps_of(const Scene& scene);
 
 /// Why a capture cannot be cut into windows that share what stands still; "" where it can.
 std::string reason_against_windows(const Scene& scene);

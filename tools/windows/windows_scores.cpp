@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
 
-#include "kernels/base/errors.h"
 #include "recon4d/evaluation/border_scores.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"
+#include "tools/cli/interrupt.h"
+#include "tools/cli/terminal.h"
 #include "tools/session/run_folder.h"
 #include "tools/windows/joined_report.h"
 
@@ -29,16 +31,18 @@ struct SplitOfClip {
 }  // namespace
 
 json score_windows(Backend& backend, const WindowsFolder& folder, const std::vector<Split>& splits,
-                   const EvaluateOptions& options, const WindowScored& scored) {
+                   const EvaluateOptions& options) {
   const WindowsPlan plan = folder.read();
   require_all_windows(folder, plan);
   const fs::path path = scene_of_windows(folder, plan);
   std::map<Split, SplitOfClip> of_clip;
   GaussianModel rules;  // the last model: its static set and rules are those of all
   int64_t dynamic = 0, most = 0;
-  for (int64_t i = 0; i < int64_t(plan.windows.size()); ++i) {
+  const auto count = int64_t(plan.windows.size());
+  ProgressBar bar("evaluate");
+  for (int64_t i = 0; i < count; ++i) {
     const RunFolder run{folder.window_run(i)};
-    const GaussianModel model = load_model(run.model());
+    GaussianModel model = load_model(run.model());
     const Scene scene =
         scaled_scene(scene_for(model, run.root, path, {.pixels_of = splits}), model.train_scale);
     const Interval time = plan.windows[size_t(i)].time;
@@ -49,15 +53,17 @@ json score_windows(Backend& backend, const WindowsFolder& folder, const std::vec
       clip.report.add(evaluate(backend, model, scene, split, options,
                                [&](const Frame& frame, const RenderedImage& image,
                                    const ViewScore& score, int64_t, int64_t) {
+                                 stop_if_interrupted();
                                  clip.borders.add(frame, image);
-                                 if (scored) scored(i, frame, image, score);
+                                 bar.update(i, count, fmt::format("{:.2f} dB", score.psnr));
                                }),
                       time.low, time.high - time.low);
     }
     dynamic += model.dynamic_set.count();
     most = std::max(most, model.dynamic_set.count());
-    if (i + 1 == int64_t(plan.windows.size())) rules = model.clone_to(host_memory());
+    if (i + 1 == count) rules = std::move(model);
   }
+  bar.clear();
   json result = json::object(), all = json::object();
   for (const Split split : splits) {
     const auto found = of_clip.find(split);

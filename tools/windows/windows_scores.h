@@ -1,9 +1,7 @@
 // The scores of a clip that was trained window by window: each window is scored in its core, by its
 // model, and the scores are joined.
 #pragma once
-#include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <vector>
 
 #include "recon4d/evaluation/evaluate.h"
@@ -11,16 +9,12 @@
 
 namespace tessera {
 
-/// Told of each scored view: its window from 0, the view in the window's scene, its image.
-using WindowScored = std::function<void(int64_t window, const Frame& frame,
-                                        const RenderedImage& image, const ViewScore& score)>;
-
-/// As score_splits of one model, times being those of the clip, with `windows` (how many),
-/// `borders` (as of BorderScore) of each split, and counts of Gaussians: `num_dynamic` over all
-/// windows, `peak_gaussians` of one with the static set. `splits`: those that have no frame are
-/// left out. Errors: InputError: windows that are not trained, a scene that is gone; as load_scene.
+/// With a progress bar. As score_splits of one model, times being those of the clip, with `windows`
+/// (how many), `borders` (as of BorderScore) of each split, and counts of Gaussians: `num_dynamic`
+/// over all windows, `peak_gaussians` of one with the static set. `splits`: those that have no
+/// frame are left out. Errors: InputError: windows that are not trained, a scene that is gone; as
+/// load_scene; Interrupted.
 nlohmann::json score_windows(Backend& backend, const WindowsFolder& folder,
-                             const std::vector<Split>& splits, const EvaluateOptions& options = {},
-                             const WindowScored& scored = {});
+                             const std::vector<Split>& splits, const EvaluateOptions& options = {});
 
 }  // namespace tessera

@@ -8,6 +8,7 @@
 #include "recon4d/reduction/size_limit.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/separate_backend.h"
+#include "tests/support/set_values.h"
 #include "tests/support/tiny_capture.h"
 
 namespace tessera::testing {
@@ -26,15 +27,6 @@ TrainOptions eventful_options() {
   options.average_from = 0.9;
   options.thin_until = 170;
   return options;
-}
-
-std::vector<float> values_of(const GaussianSet& set) {
-  std::vector<float> values;
-  for (int g = 0; g < set.groups(); ++g) {
-    const Span<const float> group = set.group(Group(g)).value.span();
-    values.insert(values.end(), group.data, group.data + group.size);
-  }
-  return values;
 }
 
 bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {

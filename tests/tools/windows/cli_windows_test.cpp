@@ -4,12 +4,15 @@
 
 #include <cmath>
 #include <csignal>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "recon4d/model/model_file.h"
 #include "static3d/tessera4d/windowed_file.h"
+#include "tests/support/set_values.h"
 #include "tests/tools/commands/cli_workspace.h"
 
 namespace tessera::testing {
@@ -17,15 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-std::vector<float> values_of(const GaussianSet& set) {
-  std::vector<float> values;
-  for (int g = 0; g < set.groups(); ++g) {
-    const Span<const float> group = set.group(Group(g)).value.span();
-    values.insert(values.end(), group.data, group.data + group.size);
-  }
-  return values;
-}
 
 /// A room that four cameras film for two seconds, 24 frames each.
 class CliWindows : public ::testing::Test {
@@ -40,28 +34,18 @@ class CliWindows : public ::testing::Test {
                   .exit_code,
               0);
   }
-  std::vector<std::string> train(const std::string& out,
-                                 const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words{"train",
-                                   work.at("scene"),
-                                   "-o",
-                                   work.at(out),
-                                   "--windows",
-                                   "1s",
-                                   "--backend",
-                                   "cpu",
-                                   "--threads",
-                                   "2",
-                                   "--iterations",
-                                   "12",
-                                   "--init-points",
-                                   "300",
-                                   "--batch",
-                                   "1",
-                                   "--sweep",
-                                   "false"};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+  /// `command` with the options of a tiny training, and more.
+  static std::vector<std::string> tiny(std::vector<std::string> command,
+                                       const std::vector<std::string>& more) {
+    std::istringstream options(
+        "--backend cpu --threads 2 --batch 1 --init-points 300 --sweep false");
+    command.insert(command.end(), std::istream_iterator<std::string>(options), {});
+    command.insert(command.end(), more.begin(), more.end());
+    return command;
+  }
+  std::vector<std::string> train(const std::string& out, std::vector<std::string> more = {}) const {
+    more.insert(more.end(), {"--iterations", "12"});
+    return tiny({"train", work.at("scene"), "-o", work.at(out), "--windows", "1s"}, more);
   }
   const CliWorkspace work;
 };
@@ -153,26 +137,9 @@ TEST_F(CliWindows, GoOnWhereTheyWereAndLoseNothing) {
 // whose windows name the folder in which they were made, or that leaves the old windows behind.
 TEST_F(CliWindows, ComeOutOfRunAsOneResult) {
   const auto run = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words{"run",
-                                   work.at("room"),
-                                   "-o",
-                                   work.at("out"),
-                                   "--windows",
-                                   "1s",
-                                   "--backend",
-                                   "cpu",
-                                   "--threads",
-                                   "2",
-                                   "--batch",
-                                   "1",
-                                   "--init-points",
-                                   "300",
-                                   "--sweep",
-                                   "false",
-                                   "--cloud",
-                                   "none"};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+    std::vector<std::string> command{"run", work.at("room"), "-o", work.at("out")};
+    command.insert(command.end(), {"--windows", "1s", "--cloud", "none"});
+    return tiny(command, more);
   };
   const json result = work.run_json(run({"--iterations", "12"}));
   EXPECT_EQ(result["windows"], 2);
@@ -232,24 +199,10 @@ TEST_F(CliWindows, AreSharedByProgramsAndOutliveAKilledOne) {
 TEST_F(CliWindows, ShareAStaticModelOfTheSameWorldAlone) {
   work.run_json(train("run"));
   const auto window = [&](const std::string& shared, const std::vector<std::string>& more) {
-    std::vector<std::string> words{"train",
-                                   work.at("scene"),
-                                   "-o",
-                                   work.at("w"),
-                                   "--window",
-                                   "1/2",
-                                   "--backend",
-                                   "cpu",
-                                   "--iterations",
-                                   "12",
-                                   "--sweep",
-                                   "false",
-                                   "--init-points",
-                                   "300",
-                                   "--static-model",
-                                   work.at(shared)};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+    std::vector<std::string> command{"train", work.at("scene"), "-o", work.at("w")};
+    command.insert(command.end(), {"--window", "1/2", "--iterations", "12", "--static-model"});
+    command.push_back(work.at(shared));
+    return tiny(command, more);
   };
   work.expect_refused(window("run/windows/0000", {}), {"not what stands still", "unpack --static"});
   work.expect_refused(window("scene", {}), {"no finished training", "unpack --static"});

@@ -5,6 +5,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
+#include "recon4d/options/forecast.h"
 #include "tests/support/scratch_folder.h"
 #include "tools/windows/window_choice.h"
 
@@ -24,7 +25,8 @@ Scene rig(int64_t timesteps, double seconds, int width = 100, int height = 50) {
       frame.camera_name = "cam" + std::to_string(c);
       frame.timestep = t;
       frame.time = double(t) / double(timesteps - 1) + (c == 2 ? 0.004 / seconds : 0);
-      frame.image = {width, height, 3, {}};
+      frame.camera.width = width;
+      frame.camera.height = height;
       frame.camera.translation.x = c;
       scene.frames.push_back(std::move(frame));
     }
@@ -71,7 +73,7 @@ TEST(Windows, AreChosenByLengthAndMemory) {
   EXPECT_EQ(choice("60s", rig(300, 10), kMuch).count, 1);
   // three images of 15,000 bytes a timestep
   const Scene ten = rig(300, 10);
-  EXPECT_EQ(image_bytes(ten), 300 * 45000);
+  EXPECT_EQ(forecast_load(ten).image_bytes, 300 * 45000);
   EXPECT_EQ(choice("auto", ten, 2 * 300 * 45000).count, 1);
   const WindowChoice small = choice("auto", ten, 2 * 80 * 45000);
   EXPECT_EQ(small.count, 5) << "60 timesteps and 16 beyond";
