@@ -4,7 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
+#include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -18,6 +19,7 @@
 #include "kernels/base/byte_medians.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/median.h"
+#include "kernels/base/parallel.h"
 
 namespace tessera {
 namespace {
@@ -25,10 +27,11 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-constexpr size_t kQuarters = 4;
+constexpr int64_t kQuarters = 4;
 constexpr int64_t kMoments = 31;  // of a quarter
 constexpr int64_t kLeastMoments = 3;
 constexpr int kMostChange = 10;       // 8-bit units, between quarters
+constexpr double kLeastAtRest = 0.6;  // of the moments, in which a pixel is as in the median
 constexpr double kLeastShared = 0.5;  // of the pixels, below which there is a warning
 
 struct StillImage {
@@ -62,18 +65,17 @@ void check_camera(const Scene& scene, const std::vector<int>& frames) {
           "{}: camera {} moves, so that nothing stands still in its images; only a rig of fixed "
           "cameras has a shared background",
           scene.path, first.camera_name));
-  if (int64_t(frames.size()) < int64_t(kQuarters) * kLeastMoments)
+  if (int64_t(frames.size()) < kQuarters * kLeastMoments)
     throw InputError(fmt::format(
         "{}: camera {} has {} frames, and a background needs {} to be told from what moves; train "
         "the clip as a whole",
-        scene.path, first.camera_name, frames.size(), int64_t(kQuarters) * kLeastMoments));
+        scene.path, first.camera_name, frames.size(), kQuarters * kLeastMoments));
 }
 
 /// Frames of a quarter, spread evenly.
-std::vector<int> moments_of(const std::vector<int>& frames, size_t quarter) {
+std::vector<int> moments_of(const std::vector<int>& frames, int64_t quarter) {
   const auto total = int64_t(frames.size());
-  const int64_t begin = int64_t(quarter) * total / int64_t(kQuarters),
-                end = int64_t(quarter + 1) * total / int64_t(kQuarters),
+  const int64_t begin = quarter * total / kQuarters, end = (quarter + 1) * total / kQuarters,
                 count = std::min(kMoments, end - begin);
   std::vector<int> chosen;
   for (int64_t i = 0; i < count; ++i)
@@ -81,20 +83,59 @@ std::vector<int> moments_of(const std::vector<int>& frames, size_t quarter) {
   return chosen;
 }
 
-/// The least and the most of the four values at a place.
-bool stays(const std::array<std::vector<uint8_t>, kQuarters>& medians, size_t value) {
-  int low = 255, high = 0;
-  for (const std::vector<uint8_t>& median : medians) {
-    low = std::min(low, int(median[value]));
-    high = std::max(high, int(median[value]));
+using ImageValues = std::vector<const std::vector<uint8_t>*>;
+
+/// Moments of a camera: their medians by quarter, and how often each pixel is as in these.
+class Moments {
+ public:
+  void add(const ImageValues& quarter) {
+    std::vector<uint8_t> median = lower_medians(quarter);
+    const int most = still_limit(quarter, median);
+    at_rest_.resize(median.size() / 3);
+    count_ += int64_t(quarter.size());
+    // of noise, the median of n images has 1.25 / √n; medians differ by five times that at most
+    most_change_ = std::max(most_change_, int(std::lround(2 * most / std::sqrt(quarter.size()))));
+    parallel_for(int64_t(at_rest_.size()), 1 << 14, [&](int64_t begin, int64_t end) {
+      for (const std::vector<uint8_t>* image : quarter)
+        for (auto p = size_t(begin); p < size_t(end); ++p)
+          at_rest_[p] += differs(*image, median, p, most) ? 0 : 1;
+    });
+    medians_.push_back(std::move(median));
   }
-  return high - low <= kMostChange;
-}
+  std::vector<uint8_t> median() const {
+    ImageValues all;
+    for (const std::vector<uint8_t>& quarter : medians_) all.push_back(&quarter);
+    return lower_medians(all);
+  }
+  /// Whether a pixel looks the same all along. What moves on one spot has the same median in all
+  /// quarters, and is seldom as there.
+  bool stays(size_t pixel) const {
+    if (double(at_rest_[pixel]) < kLeastAtRest * double(count_)) return false;
+    for (const std::vector<uint8_t>& a : medians_)
+      for (const std::vector<uint8_t>& b : medians_)
+        if (differs(a, b, pixel, most_change_)) return false;
+    return true;
+  }
+
+ private:
+  static bool differs(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b, size_t pixel,
+                      int most) {
+    for (size_t i = 3 * pixel; i < 3 * pixel + 3; ++i)
+      if (std::abs(int(a[i]) - int(b[i])) > most) return true;
+    return false;
+  }
+
+  std::vector<std::vector<uint8_t>> medians_;
+  std::vector<uint8_t> at_rest_;  // moments
+  int64_t count_ = 0;
+  int most_change_ = kMostChange;
+};
+static_assert(kQuarters * kMoments <= 255);
 
 StillImage still_image(const SceneFiles& files, const std::vector<int>& frames) {
-  std::array<std::vector<uint8_t>, kQuarters> medians;
+  Moments moments;
   StillImage still;
-  for (size_t quarter = 0; quarter < kQuarters; ++quarter) {
+  for (int64_t quarter = 0; quarter < kQuarters; ++quarter) {
     SceneOptions options;
     options.allow_static = true;
     options.frames = moments_of(frames, quarter);
@@ -103,20 +144,18 @@ StillImage still_image(const SceneFiles& files, const std::vector<int>& frames) 
       throw InputError(
           fmt::format("{}: images have alpha, so that their background is known and none is shared",
                       scene.path));
-    std::vector<const std::vector<uint8_t>*> images;
+    ImageValues images;
     for (const Frame& frame : scene.frames) images.push_back(&frame.image.data);
-    medians[quarter] = lower_medians(images);
+    moments.add(images);
     if (quarter == 0) still.frame = std::move(scene.frames.front());
   }
   Image8& image = still.frame.image;
-  image.data = lower_medians({&medians[0], &medians[1], &medians[2], &medians[3]});
+  image.data = moments.median();
   Image8 mask{image.width, image.height, 1, {}};
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
-      const size_t value = 3 * mask.data.size();
       const bool is_used = !still.frame.mask.ignores(x, y);
-      const bool is_shared = is_used && stays(medians, value) && stays(medians, value + 1) &&
-                             stays(medians, value + 2);
+      const bool is_shared = is_used && moments.stays(mask.data.size());
       mask.data.push_back(is_shared ? 255 : 0);
       still.used += is_used;
       still.shared += is_shared;
@@ -188,7 +227,7 @@ StaticSceneReport write_static_scene(const fs::path& folder, const fs::path& out
   report.shared = used > 0 ? double(shared) / double(used) : 0;
   if (report.shared < kLeastShared)
     report.warnings.push_back(fmt::format(
-        "{}: only {:.0f} % of the pixels look the same in all quarters of the clip: its light or "
+        "{}: only {:.0f} % of the pixels look the same all along: its light or "
         "most of what it shows changes, and a shared background saves little; training the clip "
         "without one costs nothing else",
         folder.string(), 100 * report.shared));

@@ -2,12 +2,11 @@
 #include "recon4d/evaluation/dynamic_regions.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdlib>
 
 #include "kernels/base/byte_medians.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/median.h"
-#include "kernels/base/parallel.h"
 
 namespace tessera {
 namespace {
@@ -35,35 +34,6 @@ const Frame* still_of(const Scene& scene, const Frame& frame) {
   return nullptr;
 }
 
-/// Standard deviation of the noise of an image, 8-bit units, by the quarter of its values that
-/// differs least from the median: up to three quarters of them may move.
-double noise_of(const Frame& frame, const std::vector<uint8_t>& median) {
-  constexpr size_t kApart = 7;                 // values that are looked at
-  constexpr double kQuarterOfNormal = 0.3186;  // of |x|, by the standard deviation
-  int64_t count[256] = {}, all = 0;
-  for (size_t i = 0; i < median.size(); i += kApart, ++all)
-    ++count[std::abs(int(frame.image.data[i]) - int(median[i]))];
-  const double quarter = double(all) / 4;
-  double below = 0;
-  int level = 0;
-  for (; below + double(count[level]) < quarter; ++level) below += double(count[level]);
-  // values were rounded: those of a level lie half a unit to either side, those of 0 on one side
-  const double low = level == 0 ? 0 : level - 0.5, width = level == 0 ? 0.5 : 1;
-  return (low + width * (quarter - below) / double(count[level])) / kQuarterOfNormal;
-}
-
-/// Most that a still pixel differs by. By the frames that are noisy least: light that changes is
-/// no noise.
-int still_limit(const std::vector<const Frame*>& frames, const std::vector<uint8_t>& median) {
-  std::vector<double> noise(frames.size());
-  parallel_for(int64_t(frames.size()), 1, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) noise[size_t(i)] = noise_of(*frames[size_t(i)], median);
-  });
-  const auto quarter = noise.begin() + int64_t(noise.size()) / 4;
-  std::nth_element(noise.begin(), quarter, noise.end());
-  return std::max(DynamicRegions::kThreshold, int(std::lround(DynamicRegions::kNoise * *quarter)));
-}
-
 }  // namespace
 
 DynamicRegions::DynamicRegions(const Scene& scene, Of of, const std::vector<int>& frames) {
@@ -79,16 +49,15 @@ DynamicRegions::DynamicRegions(const Scene& scene, Of of, const std::vector<int>
     StillCamera& camera = cameras_[name];
     std::vector<uint8_t>& median = camera.median;
     if (chosen.empty()) continue;
+    std::vector<const std::vector<uint8_t>*> images;
+    for (const Frame* frame : chosen) images.push_back(&frame->image.data);
     if (const Frame* still = still_of(scene, *chosen.front())) {
       median = still->image.data;
       camera.mask = still->mask;
-      camera.threshold = still_limit(chosen, median);
-      continue;
+    } else {
+      median = lower_medians(images);
     }
-    std::vector<const std::vector<uint8_t>*> images;
-    for (const Frame* frame : chosen) images.push_back(&frame->image.data);
-    median = lower_medians(images);
-    camera.threshold = still_limit(chosen, median);
+    camera.threshold = still_limit(images, median);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ingest/scene.h"
+#include "kernels/base/byte_medians.h"
 
 namespace tessera {
 
@@ -14,8 +15,7 @@ namespace tessera {
 /// what their masks ignore moves.
 class DynamicRegions {
  public:
-  static constexpr int kThreshold = 10;   // 8-bit units
-  static constexpr double kNoise = 3;     // standard deviations of a channel, measured a little low
+  static constexpr int kThreshold = kStillLimit;
   static constexpr size_t kMoments = 31;  // the median is of at most so many, spread over time
   static constexpr size_t kLeastMoments = 3;
 

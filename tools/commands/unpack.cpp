@@ -39,8 +39,7 @@ int unpack_still(const UnpackRequest& request) {
                 {"frames", report.cameras},
                 {"shared", report.shared},
                 {"warnings", report.warnings}},
-               fmt::format("{}: {} images; {:.0f} % of their pixels look the same in all quarters "
-                           "of the clip",
+               fmt::format("{}: {} images; {:.0f} % of their pixels look the same all along",
                            request.out, report.cameras, 100 * report.shared));
   return kExitDone;
 }
