@@ -129,13 +129,13 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   std::optional<Contributions> contributions;  // of the model as it is
   if (due.motion && has_timesteps(sample)) {
     MotionDecision decision;
+    contributions = measure(knee_prices(trainer.drawn_model()));
+    report_pass(*contributions, sample, report);
     if (state.trains(0)) {
-      contributions = measure(knee_prices(trainer.drawn_model()));
-      report_pass(*contributions, sample, report);
       decision = decide_motion(backend_, trainer.drawn_model(), *contributions, sample, due);
       report_motion(decision, report);
     } else {
-      decision.edit.dropped[1] = still_dynamic(measure({}));
+      decision.edit.dropped[1] = still_dynamic(*contributions);
       report.removed += int64_t(decision.edit.dropped[1].size());
     }
     if (due.spawn_missed) {

@@ -39,7 +39,7 @@ struct Removal {
 std::vector<Removal> removal_order(const GaussianModel& model, const Contributions& contributions,
                                    bool static_is_frozen = false, const ByteRates& rates = {});
 
-/// Dynamic Gaussians, ascending, that have less than a tenth of their light in pixels that may
+/// Dynamic Gaussians, ascending, that have less than 0.4 of their light in pixels that may
 /// move. Beside a static set that is frozen they correct what it shows of the training views, in
 /// each window of a clip in another way, and go. None where it is not known what moves.
 std::vector<int64_t> still_dynamic(const Contributions& contributions);
