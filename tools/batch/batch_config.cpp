@@ -22,6 +22,7 @@
 #include "tools/cli/argument_words.h"
 #include "tools/cli/output_place.h"
 #include "tools/export/formats.h"
+#include "tools/windows/window_choice.h"
 
 namespace tessera {
 namespace {
@@ -74,6 +75,9 @@ void check_numbers(const BatchConfig& config) {
     if (seed < 0) throw InputError(fmt::format("--seeds has {}; pass 0 or more", seed));
   if (config.threads < 1)
     throw InputError(fmt::format("--threads is {}, expected 1 or more", config.threads));
+  parse_windows(config.windows);
+  if (config.window_jobs < 1)
+    throw InputError(fmt::format("--window-jobs is {}, expected 1 or more", config.window_jobs));
   if (config.gpus < 0)
     throw InputError(fmt::format("--gpus is {}, expected 0 or more", config.gpus));
   if (!config.budgets.empty() && config.options.contains("max_gaussians"))
@@ -198,6 +202,8 @@ json batch_yaml(const BatchConfig& config) {
                {"tessera", this_program()},
                {"threads", config.threads},
                {"gpus", config.gpus},
+               {"windows", config.windows},
+               {"window_jobs", config.window_jobs},
                {"budgets", config.budgets},
                {"steps", config.steps},
                {"deterministic", !deterministic.empty() && deterministic.mapped() == "true"}};

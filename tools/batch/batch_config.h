@@ -42,12 +42,14 @@ struct BatchConfig {
   std::vector<int64_t> seeds;
   std::vector<std::string> exports;
   int64_t threads = 1, gpus = 0;  // of a job; of the machine, 0: trains on the CPU
+  std::string windows = "auto";   // of `tessera train`
+  int64_t window_jobs = 1;        // programs that train the windows of one clip
 };
 
 /// The object that batch.yaml holds (JSON, which is YAML): scenes, presets or table and options,
-/// budgets, steps, seeds, exports, tessera (this program), threads, gpus, deterministic. Errors:
-/// InputError: unknown preset, table, option or format, a value out of range, something named
-/// twice.
+/// budgets, steps, seeds, exports, tessera (this program), threads, gpus, windows, window_jobs,
+/// deterministic. Errors: InputError: unknown preset, table, option or format, a value out of
+/// range, something named twice.
 nlohmann::json batch_yaml(const BatchConfig& config);
 
 }  // namespace tessera

@@ -1,7 +1,7 @@
 """Runs one job of a batch: calls the program, appends to its log, and writes failures/JOB.json
 unless it succeeds. The Snakefile and one_by_one.py call it.
 
-usage: job.py RULE [SCENE [PRESET SEED [FORMAT]]] --threads N --attempt N --mem-mb N
+usage: job.py RULE [SCENE [PRESET SEED [FORMAT or NUMBER]]] --threads N --attempt N --mem-mb N
                 [--refused MESSAGE]   records only that the cluster did not take the job
 """
 import argparse
@@ -22,7 +22,7 @@ import records
 import settings
 import training
 
-RULES = ("ingest", "doctor", "train", "evaluate", "export", "report")
+RULES = ("ingest", "doctor", "train", "windows", "evaluate", "export", "report")
 FAILED, BAD_INPUT = 1, 2  # exit codes
 UNFINISHED = ("ended without a word: out of memory or time, or its machine was lost "
               "(or it still runs)")
@@ -56,7 +56,7 @@ class Job:
     def forget(self):
         """What is made of this job's output goes, so that no failure leaves old results behind."""
         if self.given.rule not in ("ingest", "train"):
-            return
+            return  # that of "windows" makes nothing that another job needs
         below = os.path.join(self.given.scene, *(self.where[1:] or ["*", "*"]))
         made = [self.doctor] if self.given.rule == "ingest" else []
         made += [f"runs/{below}/train.json", f"runs/{below}/metrics.json", f"exports/{below}/*.json"]
@@ -71,20 +71,32 @@ class Job:
         stamp_file = captures.stamp_file(scene)
         os.makedirs(os.path.dirname(stamp_file), exist_ok=True)
         records.write(stamp_file, captures.stamp_record(scene, self.batch.out))
-        return (["ingest", scene.path, "-o", self.scene, "--overwrite", *scene.ingest, *self.threads,
-                 "--json"], self.scene + ".json")
+        frames = []
+        if self.batch.windows != "none" and "--frames-as" not in scene.ingest:
+            frames = ["--frames-as", "auto"]
+        return (["ingest", scene.path, "-o", self.scene, "--overwrite", *scene.ingest, *frames,
+                 *self.threads, "--json"], self.scene + ".json")
 
     def doctor_(self, _):
-        return ["doctor", self.scene, *self.threads, "--json"], self.doctor
+        return ["doctor", self.scene, "--windows", self.batch.windows, *self.threads,
+                "--json"], self.doctor
 
     def train(self, before):
         variant = self.batch.variants[self.given.preset]
+        in_windows = bool(forecast.windows(self.doctor))
         words = training.command(
-            self.run, self.scene, variant, int(self.given.seed), self.batch.deterministic,
+            self.run, self.scene, variant, int(self.given.seed), self.batch,
             forecast.row(self.doctor, variant.preset),
-            training.died_of_memory(before, slurm_state(before.get("slurm_job"))))
+            not in_windows and
+            training.died_of_memory(before, slurm_state(before.get("slurm_job"))), in_windows)
         return (["train", self.scene, "-o", self.run, *words, *self.backend, "--json"],
                 self.run + "/train.json")
+
+    def windows(self, before):
+        """Trains windows of a clip beside its train job; of other clips nothing."""
+        output = f"{self.run}/windows-{self.given.format}.json"
+        words = self.train(before)[0] if forecast.windows(self.doctor) else []
+        return words, output
 
     def evaluate(self, _):
         split = self.batch.scenes[self.given.scene].split
@@ -158,8 +170,12 @@ def accepted(job, code, output):
 
 
 def run(job, words, output, log):
-    """Exit code of the program."""
-    environment, gpu = free_gpu(job.batch.gpus if job.given.rule in ("train", "evaluate") else 0)
+    """Exit code of the program. Without words there is nothing to do."""
+    if not words:
+        records.write(output, {"windows": 1})
+        return 0
+    on_gpu = job.given.rule in ("train", "windows", "evaluate")
+    environment, gpu = free_gpu(job.batch.gpus if on_gpu else 0)
     command = [job.batch.program, *words]
     print(time.strftime("%F %T"), "attempt", job.given.attempt, *command, file=log, flush=True)
     with open(output, "w") as standard:
@@ -188,6 +204,8 @@ def perform(job, log):
         more = {"job_seconds": round(time.monotonic() - started, 3)}
         if job.given.rule == "evaluate":
             more["asked_split"] = job.batch.scenes[job.given.scene].split
+        if job.given.rule == "doctor":
+            more["asked_windows"] = job.batch.windows
         records.write(part, {**records.read(part), **more})
     os.replace(part, output)
     return 0, ""

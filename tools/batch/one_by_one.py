@@ -66,9 +66,12 @@ def changed(job, batch):
         scene = batch.scenes[job.words[1]]
         then, now = records.read(captures.stamp_file(scene)), captures.stamp_record(scene, batch.out)
     elif job.words[0] == "train":
-        now = training.request(batch.variants[job.words[2]], int(job.words[3]), batch.deterministic)
+        now = training.request(batch.variants[job.words[2]], int(job.words[3]), batch)
         state = records.read(os.path.join(os.path.dirname(job.output), "batch.json"))
         then = {key: value for key, value in state.get("asked", {}).items() if key in now}
+    elif job.words[0] == "doctor":
+        asked = records.read(job.output).get("asked_windows")
+        then, now = {} if asked is None else {asked}, {batch.windows}
     elif job.words[0] == "evaluate":
         asked = records.read(job.output).get("asked_split")
         then, now = {} if asked is None else {asked}, {batch.scenes[job.words[1]].split}

@@ -15,7 +15,7 @@ from captures import Scene, read_scenes
 from checks import Wrong, check_keys, check_name, list_of, nearest, number, shown
 
 KEYS = ("scenes", "captures", "presets", "table", "options", "seeds", "budgets", "steps", "exports",
-        "out", "tessera", "threads", "gpus", "deterministic")
+        "out", "tessera", "threads", "gpus", "deterministic", "windows", "window_jobs")
 TABLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "tables")
 # of a variant with each of its values: key, option, end of the name, words of the label
 AXES = (("budgets", "max_gaussians", "", " Gaussians"), ("steps", "iterations", "-steps", " steps"))
@@ -24,7 +24,8 @@ SESSION_OPTIONS = ("checkpoint_every", "evaluate_every", "time_limit")  # say no
 OWN_OPTIONS = {"seed": "seeds", "deterministic": "deterministic", "threads": "threads",
                "backend": "gpus", "preset": "preset", "config": "options", "out": "out",
                "json": "exports", "resume": "options", "overwrite": "options",
-               "stop_after": "iterations", "help": "options"}
+               "stop_after": "iterations", "help": "options", "windows": "windows",
+               "gpus": "gpus"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -58,6 +59,8 @@ class Batch:
     threads: int
     gpus: int
     deterministic: bool
+    windows: str = "auto"  # of `tessera train`
+    window_jobs: int = 1  # programs that train the windows of one clip
 
 
 def dashed(key):
@@ -174,9 +177,18 @@ def check_values(batch, variant):
         raise Wrong(f"presets: {variant.name}: {line.removeprefix('tessera: ')}")
 
 
+def check_windows(batch):
+    """A length is read before the scene."""
+    said = subprocess.run([batch.program, "doctor", "no scene", "--windows", batch.windows],
+                          capture_output=True, text=True, cwd="/").stderr
+    if "--windows" in said:
+        raise Wrong("windows: " + said.strip().splitlines()[-1].removeprefix("tessera: "))
+
+
 def check_with_program(batch):
     """Names that only the program knows."""
     reference = program_reference(batch.program)
+    check_windows(batch)
     presets = choices_of(reference, "train", "--preset")
     known = option_keys(reference, "train")
     for variant in batch.variants.values():
@@ -219,7 +231,8 @@ def snapshot_of(batch):
                           "label": v.label, "published": list(v.published)}
                          for v in batch.variants.values()],
             "seeds": list(batch.seeds), "exports": list(batch.formats), "threads": batch.threads,
-            "gpus": batch.gpus, "deterministic": batch.deterministic}
+            "gpus": batch.gpus, "deterministic": batch.deterministic, "windows": batch.windows,
+            "window_jobs": batch.window_jobs}
 
 
 def from_snapshot(given, out):
@@ -233,7 +246,8 @@ def from_snapshot(given, out):
                            for v in given["variants"]},
                  seeds=tuple(given["seeds"]), formats=tuple(given["exports"]),
                  threads=given["threads"], gpus=given["gpus"],
-                 deterministic=given["deterministic"])
+                 deterministic=given["deterministic"], windows=given.get("windows", "none"),
+                 window_jobs=given.get("window_jobs", 1))
 
 
 def parse(file, text):
@@ -277,4 +291,6 @@ def load(file):
                  seeds=tuple(list_of(given, "seeds", int, [1], filled=True)),
                  formats=tuple(list_of(given, "exports", str, ["tessera", "html"])),
                  threads=number(given, "threads", 1, os.cpu_count()),
-                 gpus=number(given, "gpus", 0, 0), deterministic=given.get("deterministic", False))
+                 gpus=number(given, "gpus", 0, 0), deterministic=given.get("deterministic", False),
+                 windows=str(given.get("windows") or "auto"),
+                 window_jobs=number(given, "window_jobs", 1, max(1, number(given, "gpus", 0, 0))))

@@ -45,15 +45,16 @@ def smaller(run, forecast):
     return result
 
 
-def request(variant, seed, deterministic):
+def request(variant, seed, batch):
     return {"preset": variant.preset, "options": variant.given(), "seed": seed,
-            "deterministic": deterministic}
+            "deterministic": batch.deterministic, "windows": batch.windows}
 
 
-def command(run, scene, variant, seed, deterministic, forecast, out_of_memory):
-    """The words after `tessera train SCENE -o RUN`; batch.json says what it was reduced by."""
+def command(run, scene, variant, seed, batch, forecast, out_of_memory, in_windows):
+    """The words after `tessera train SCENE -o RUN`; batch.json says what it was reduced by.
+    `in_windows`: the clip is long enough, and a rig."""
     state_file = os.path.join(run, "batch.json")
-    asked = {**request(variant, seed, deterministic), "scene": digest(scene)}
+    asked = {**request(variant, seed, batch), "scene": digest(scene)}
     state = records.read(state_file)
     reduced = state.get("reduced", {}) if state.get("asked") == asked else {}
     if out_of_memory and state.get("asked") == asked:
@@ -61,7 +62,8 @@ def command(run, scene, variant, seed, deterministic, forecast, out_of_memory):
     os.makedirs(run, exist_ok=True)
     records.write(state_file, {"asked": asked, "reduced": reduced})
     options = {**variant.given(), **reduced, "seed": str(seed),
-               "deterministic": "true" if deterministic else "false"}
+               "deterministic": "true" if batch.deterministic else "false"}
     words = [word for key, value in options.items() for word in (dashed(key), value)]
-    return ["--resume=auto", "--overwrite", "--preset", variant.preset, *words,
+    windows = ["--windows", batch.windows] if in_windows else []
+    return ["--resume=auto", "--overwrite", *windows, "--preset", variant.preset, *words,
             *variant.arguments(SESSION_OPTIONS)]

@@ -120,6 +120,7 @@ void complete(const CLI::App& command, BatchRequest& request) {
   if (command.count("--gpus") == 0)
     config.gpus = runs_here(engine) && is_cuda_chosen("auto") ? 1 : 0;
   request.engine.gpus = config.gpus;
+  if (command.count("--window-jobs") == 0) config.window_jobs = std::max<int64_t>(config.gpus, 1);
   if (command.count("--exports") == 0 && !carries_pages()) config.exports = {"tessera"};
 }
 
@@ -230,6 +231,12 @@ void add_batch_options(CLI::App& command, BatchRequest& request) {
   command.add_option("--ablation", request.training.ablation, "of `tessera train`");
   command.add_option("--checkpoint-every", request.checkpoint_every, "of `tessera train`");
   command.add_option("--threads", config.threads, "of a job; default: cores by --jobs");
+  command
+      .add_option("--windows", config.windows,
+                  "of `tessera train`: auto, none, or a length: long clips in windows, 5s")
+      ->capture_default_str();
+  command.add_option("--window-jobs", config.window_jobs,
+                     "jobs that share the windows of one clip; default: --gpus");
   command.add_option("--gpus", config.gpus,
                      "of this machine or of a node; 0: trains on the CPU; default: 1 where this "
                      "machine has one and the profile is local");

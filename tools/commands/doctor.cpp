@@ -80,6 +80,7 @@ namespace fs = std::filesystem;
 struct DoctorRequest {
   std::string path;
   IngestArguments ingest;
+  std::string windows = "auto";
   int threads = 0;
   bool json = false;
 };
@@ -141,18 +142,19 @@ void examine_capture(const fs::path& capture, const IngestOptions& options, Doct
       {Severity::kInfo, "ingest", "",
        "checked a sample: a few timesteps of videos, images at most 960 wide",
        "run doctor on the prepared scene for times and forecast of the whole"});
-  examine(thinned_scene(folder, {}), folder, report);
+  examine(thinned_scene(folder, {}), folder, {}, report);
 }
 
 int doctor(const DoctorRequest& request) {
   set_thread_count(request.threads);
   const auto begin = std::chrono::steady_clock::now();
+  const WindowWish wish = parse_windows(request.windows);
   DoctorReport report;
   report.path = request.path;
   if (is_scene(request.path)) {
     const SceneLock in_use(request.path, SceneLock::Use::kRead);
     report.kind = "scene";
-    examine(thinned_scene(request.path, {}), request.path, report);
+    examine(thinned_scene(request.path, {}), request.path, wish, report);
   } else {
     report.kind = "a sample of the capture";
     examine_capture(request.path, resolve_ingest(request.ingest), report);
@@ -170,6 +172,10 @@ void add_doctor_command(CLI::App& app, Work& work) {
   const auto request = std::make_shared<DoctorRequest>();
   command->add_option("path", request->path, "capture or prepared scene")->required();
   add_ingest_options(*command, request->ingest);
+  command
+      ->add_option("--windows", request->windows,
+                   "prepared scene: forecast as it is trained with this (tessera train --windows)")
+      ->capture_default_str();
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return doctor(*request); }; });

@@ -160,7 +160,7 @@ double gib(int64_t bytes) {
   return double(bytes) / double(int64_t{1} << 30);
 }
 
-void add_forecast(const Scene& all, DoctorReport& report) {
+void add_forecast(const Scene& all, const WindowWish& wish, DoctorReport& report) {
   ForecastLoad load = forecast_load(all);
   load.threads = thread_count();
   int64_t most_frames = 0;
@@ -190,7 +190,7 @@ void add_forecast(const Scene& all, DoctorReport& report) {
   }
   report.tables["forecast"] = std::move(table);
   const int64_t memory = machine_memory();
-  const WindowsForecast windows = forecast_windows(all, memory, thread_count());
+  const WindowsForecast windows = forecast_windows(wish, all, memory, thread_count());
   report.tables["windows"] = windows.table;
   if (!windows.line.empty())
     add({{windows.fits ? Severity::kInfo : Severity::kError, "forecast", "", windows.line, ""}},
@@ -206,7 +206,8 @@ void add_forecast(const Scene& all, DoctorReport& report) {
 
 }  // namespace
 
-void examine(const ThinnedScene& scene, const std::filesystem::path& folder, DoctorReport& report) {
+void examine(const ThinnedScene& scene, const std::filesystem::path& folder, const WindowWish& wish,
+             DoctorReport& report) {
   for (const std::string& warning : scene.all.warnings)
     add({{Severity::kWarning, "scene", "", warning, ""}}, report);
   add_poses_and_exposure(scene.sample, report);
@@ -222,7 +223,7 @@ void examine(const ThinnedScene& scene, const std::filesystem::path& folder, Doc
                               {"held_out_frames", leakage.held_out_frames},
                               {"same_pictures", leakage.same_images},
                               {"same_views", leakage.same_views}};
-  add_forecast(scene.all, report);
+  add_forecast(scene.all, wish, report);
 }
 
 }  // namespace tessera

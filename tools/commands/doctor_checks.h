@@ -7,6 +7,7 @@
 #include "ingest/camera_row.h"
 #include "ingest/checks/finding.h"
 #include "ingest/checks/thinned_scene.h"
+#include "tools/windows/window_choice.h"
 
 namespace tessera {
 
@@ -20,6 +21,8 @@ struct DoctorReport {
 };
 
 /// Adds to `report`. `folder`: where the scene was read from, for its recorded clock offsets.
-void examine(const ThinnedScene& scene, const std::filesystem::path& folder, DoctorReport& report);
+/// `wish`: of windows, for the forecast.
+void examine(const ThinnedScene& scene, const std::filesystem::path& folder, const WindowWish& wish,
+             DoctorReport& report);
 
 }  // namespace tessera

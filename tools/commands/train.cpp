@@ -35,6 +35,7 @@
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
 #include "tools/session/train_start.h"
+#include "tools/session/windows_folder.h"
 #include "tools/view/view_server.h"
 #include "tools/windows/train_windows.h"
 #include "tools/windows/window_choice.h"
@@ -196,7 +197,6 @@ std::optional<int> train_in_windows(const Parsed& parsed) {
   }
   for (const auto& [given, name] : {std::pair{!parsed.window.empty(), "--window"},
                                     {!request.static_model.empty(), "--static-model"},
-                                    {request.overwrite, "--overwrite"},
                                     {parsed.resume == "true", "--resume"},
                                     {parsed.view, "--view"},
                                     {parsed.stop_after > 0, "--stop-after"}})
@@ -210,6 +210,7 @@ std::optional<int> train_in_windows(const Parsed& parsed) {
   windows.count = choice.count;
   windows.reason = choice.reason;
   windows.gpus = parsed.gpus;
+  windows.overwrite = request.overwrite;
   windows.time_limit = request.time_limit;
   windows.stopwatch = request.stopwatch;
   const nlohmann::json result = train_windows(windows);
@@ -223,13 +224,18 @@ int train_and_report(TrainRequest request, bool decides, bool as_json, bool with
     TrainingTerminal terminal;
     const fs::path place = request.run;
     complete_move(place, terminal);
+    const bool in_windows = WindowsFolder{place}.exists();
+    if (in_windows && !request.overwrite)
+      throw InputError(
+          fmt::format("{}: holds a clip in windows; take another -o, or replace it by --overwrite",
+                      place.string()));
     if (decides && !plan_training(request, place, terminal)) {
       const nlohmann::json result = recorded_result(RunFolder{place});
       print_result(as_json, result, training_text(result) + "\ndone before, unchanged");
       return kExitDone;
     }
-    if (request.overwrite && !request.resume && fs::exists(RunFolder{place}.model()))
-      train_beside(request);
+    const bool holds_model = in_windows || fs::exists(RunFolder{place}.model());
+    if (request.overwrite && !request.resume && holds_model) train_beside(request);
     ViewedTraining training(std::move(request), place, decides, with_view, terminal);
     const nlohmann::json result = training.train();
     print_result(as_json, result,

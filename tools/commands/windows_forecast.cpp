@@ -11,7 +11,6 @@
 #include "kernels/base/errors.h"
 #include "recon4d/options/forecast.h"
 #include "recon4d/options/presets.h"
-#include "tools/windows/window_choice.h"
 
 namespace tessera {
 namespace {
@@ -35,10 +34,16 @@ Scene middle_window(const Scene& scene, int64_t windows) {
 
 }  // namespace
 
-WindowsForecast forecast_windows(const Scene& scene, int64_t memory, int threads) {
+WindowsForecast forecast_windows(const WindowWish& wish, const Scene& scene, int64_t memory,
+                                 int threads) {
   WindowsForecast forecast;
+  if (wish.kind == WindowWish::Kind::kLength)
+    if (const std::string reason = reason_against_windows(scene); !reason.empty()) {
+      forecast.line = whole_clip_text(reason);
+      return forecast;
+    }
   try {
-    forecast.windows = choose_windows(parse_windows("auto"), scene, memory).count;
+    forecast.windows = choose_windows(wish, scene, memory).count;
   } catch (const InputError& error) {
     forecast.fits = false;
     forecast.line = error.what();

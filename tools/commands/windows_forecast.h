@@ -5,6 +5,7 @@
 #include <string>
 
 #include "ingest/scene.h"
+#include "tools/windows/window_choice.h"
 
 namespace tessera {
 
@@ -15,9 +16,10 @@ struct WindowsForecast {
   bool fits = true;      // a window into the memory
 };
 
-/// As `tessera run` cuts it with --windows auto and `balanced`. `scene` lists the frames, without
-/// pixels; `memory`: bytes that programs can have in all. The seconds are right within a factor of
-/// three.
-WindowsForecast forecast_windows(const Scene& scene, int64_t memory, int threads);
+/// As `tessera run --preset balanced` cuts it where `wish` is given. `scene` lists the frames,
+/// without pixels; `memory`: bytes that programs can have in all. The seconds are right within a
+/// factor of three.
+WindowsForecast forecast_windows(const WindowWish& wish, const Scene& scene, int64_t memory,
+                                 int threads);
 
 }  // namespace tessera

@@ -102,6 +102,7 @@ void move_training(const fs::path& from, const fs::path& run) {
   if (!fs::exists(marker)) write_text_file(marker, "");
   if (fs::exists(made.model())) {
     place.remove_files();
+    WindowsFolder{run}.remove();
     rename_or_fail(made.model(), place.model());
   }
   std::vector<fs::path> files;

@@ -32,6 +32,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr std::chrono::seconds kBetweenLooks{1};
+constexpr const char* kTwoWays = "take another -o, or replace it by --overwrite";
 
 Scene listed_scene(const fs::path& path) {
   SceneOptions options;
@@ -64,11 +65,14 @@ class WindowsTraining {
   bool prepare() {
     bool is_told = false;
     while (true) {
-      if (folder_.exists()) check_plan();
-      if (WindowsFolder::is_finished(folder_.static_run()) && folder_.exists()) break;
+      const bool may_differ = request_.overwrite && !is_run_locked(folder_.root);
+      if (folder_.exists() && !may_differ) check_plan();
+      if (WindowsFolder::is_finished(folder_.static_run()) && folder_.exists() && !may_differ)
+        break;
       if (!is_run_locked(folder_.root)) {
         try {
           const RunLock lock(folder_.root, terminal_);
+          if (request_.overwrite) remove_others();
           if (!folder_.exists()) make_plan();
           return make_static();
         } catch (const InputError&) {
@@ -80,6 +84,46 @@ class WindowsTraining {
       if (!waited()) return false;
     }
     return make_static();  // done before, of the same request
+  }
+
+  /// --overwrite: windows of another clip, cut or request go.
+  void remove_others() {
+    if (folder_.exists() && !is_of_this_request()) {
+      for (int64_t i = 0; i < int64_t(plan_.windows.size()); ++i)
+        if (is_run_locked(folder_.window_run(i)))
+          throw InputError(fmt::format("{}: another program trains it; stop that first",
+                                       folder_.window_run(i).string()));
+      folder_.remove();
+    }
+  }
+
+  bool is_of_this_request() {
+    plan_ = folder_.read();
+    if (int64_t(plan_.windows.size()) != request_.count || plan_.scene_files != files_of_scene())
+      return false;
+    const fs::path scene = folder_.static_scene();
+    if (!is_prepared_scene(scene)) return true;  // nothing is trained yet
+    const TrainRequest training =
+        request_of(scene, folder_.static_run(), {}, key_of(file_stamps(scene)));
+    return plan_of(training).action != RunAction::kRefuse;
+  }
+
+  /// A training of the whole clip in this folder: a finished one is refused without --overwrite.
+  void give_way() const {
+    const RunFolder whole{folder_.root};
+    if (!whole.exists()) return;
+    if (fs::exists(whole.model()) && !request_.overwrite)
+      throw InputError(fmt::format("{}: holds a training of the whole clip; {}",
+                                   folder_.root.string(), kTwoWays));
+    if (!fs::exists(whole.model()) && fs::exists(whole.checkpoint()))
+      say(fmt::format("the checkpoint of the whole clip is now {}",
+                      whole.set_checkpoint_aside().string()));
+    whole.remove_files();
+  }
+
+  static RunPlan plan_of(const TrainRequest& training) {
+    return plan_run(record_of(RunFolder{training.run}, training.scene),
+                    json::parse(training.made_for), false);
   }
 
   /// The command of a program that trains windows of this folder, too.
@@ -104,12 +148,13 @@ class WindowsTraining {
     const auto count = int64_t(plan_.windows.size());
     const bool is_same = count == request_.count && plan_.scene_files == files_of_scene();
     if (is_same) return;
-    throw InputError(fmt::format("{}: holds {} windows of {}{}; take another -o",
-                                 folder_.root.string(), count, plan_.scene,
-                                 count == request_.count ? ", whose files have changed" : ""));
+    throw InputError(
+        fmt::format("{}: holds {} windows of {}{}; {}", folder_.root.string(), count, plan_.scene,
+                    count == request_.count ? ", whose files have changed" : "", kTwoWays));
   }
 
   void make_plan() {
+    give_way();
     if (!request_.reason.empty()) say(request_.reason);
     const Scene scene = listed_scene(request_.scene);
     plan_.scene = fs::absolute(request_.scene).string();
@@ -169,11 +214,10 @@ class WindowsTraining {
   /// Starts, resumes or leaves the training as it is. False when it was stopped.
   bool trained(const std::string& name, TrainRequest& training) {
     const RunFolder run{training.run};
-    const RunPlan plan =
-        plan_run(record_of(run, training.scene), json::parse(training.made_for), false);
+    const RunPlan plan = plan_of(training);
     if (plan.action == RunAction::kRefuse)
-      throw InputError(fmt::format("{}: is trained with another request: {}; take another -o",
-                                   run.root.string(), text_of_changes(plan.changed)));
+      throw InputError(fmt::format("{}: is trained with another request: {}; {}", run.root.string(),
+                                   text_of_changes(plan.changed), kTwoWays));
     if (plan.action != RunAction::kDone) {
       training.resume = plan.action == RunAction::kResume;
       say(fmt::format("{}: {}", name, training.resume ? "is resumed" : "training"));

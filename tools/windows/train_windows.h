@@ -15,9 +15,10 @@ struct WindowsRequest {
   std::filesystem::path scene, root;
   TrainArguments arguments;
   int64_t count = 2;
-  std::string reason;     // why so many: said when the clip is cut
-  int64_t gpus = 1;       // cards that train windows at once
-  double time_limit = 0;  // seconds by the stopwatch; 0: none
+  std::string reason;      // why so many: said when the clip is cut
+  int64_t gpus = 1;        // cards that train windows at once
+  bool overwrite = false;  // what the folder holds of another clip, cut or request is replaced
+  double time_limit = 0;   // seconds by the stopwatch; 0: none
   Stopwatch stopwatch = running_stopwatch();
 };
 

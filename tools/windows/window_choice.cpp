@@ -60,6 +60,10 @@ std::string reason_against_windows(const Scene& scene) {
   return "";
 }
 
+std::string whole_clip_text(const std::string& reason) {
+  return fmt::format("windows: the clip is trained as a whole, as {}", reason);
+}
+
 WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t memory) {
   if (wish.kind == WindowWish::Kind::kNone) return {};
   const bool is_asked = wish.kind == WindowWish::Kind::kLength;
@@ -71,7 +75,7 @@ WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t 
   if (const std::string reason = reason_against_windows(scene); !reason.empty()) {
     if (is_asked)
       throw InputError(fmt::format("--windows: {}: {}; leave the option out", scene.path, reason));
-    return {1, fmt::format("windows: the clip is trained as a whole, as {}", reason)};
+    return {1, whole_clip_text(reason)};
   }
   const double length = is_asked ? wish.seconds : kWindowSeconds;
   auto count = int64_t(std::ceil(seconds / length - 1e-6));

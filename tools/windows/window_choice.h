@@ -36,5 +36,7 @@ int64_t timesteps_of(const Scene& scene);
 
 /// Why a capture cannot be cut into windows that share what stands still; "" where it can.
 std::string reason_against_windows(const Scene& scene);
+/// In words for such a reason.
+std::string whole_clip_text(const std::string& reason);
 
 }  // namespace tessera

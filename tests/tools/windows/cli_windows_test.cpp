@@ -119,7 +119,6 @@ TEST_F(CliWindows, GoOnWhereTheyWereAndLoseNothing) {
   work.expect_refused(longer, {"holds 2 windows", "take another -o"});
   EXPECT_EQ(work.written("run", "model.ply"), before);
   work.expect_refused(train("new", {"--window", "1/2"}), {"--windows", "--window is of one"});
-  work.expect_refused(train("new", {"--overwrite"}), {"--overwrite is of one"});
   longer[5] = "0.1s";
   work.expect_refused(longer, {"20 windows", "less than 12"});
   longer[5] = "soon";
@@ -131,6 +130,42 @@ TEST_F(CliWindows, GoOnWhereTheyWereAndLoseNothing) {
   work.expect_refused({"evaluate", work.at("run")}, {"1 of 2 windows", "window 2"});
   work.run_json(train("run"));
   EXPECT_EQ(work.read("run/windows/0001/model.ply"), lost);
+}
+
+// What is here of another request, cut or training stays unless --overwrite is given. Finds: a
+// whole clip that is trained into a folder of windows, which then scores the windows, or the
+// reverse; old windows under a new static set; a result that is lost before the new one is
+// complete.
+TEST_F(CliWindows, ReplaceAndAreReplacedWhereThatIsAskedFor) {
+  work.run_json(train("run"));
+  const WrittenFiles before = work.written("run", "model.ply");
+  const std::vector<std::string> whole =
+      tiny({"train", work.at("scene"), "-o", work.at("run"), "--iterations", "12"}, {});
+  const auto with = [](std::vector<std::string> command, const std::vector<std::string>& more) {
+    command.insert(command.end(), more.begin(), more.end());
+    return command;
+  };
+  work.expect_refused(whole, {"holds a clip in windows", "--overwrite"});
+  work.expect_refused(with(whole, {"--resume=auto"}), {"holds a clip in windows"});
+  EXPECT_EQ(work.written("run", "model.ply"), before);
+
+  EXPECT_EQ(work.run_json(train("run", {"--overwrite"}))["windows"], 2);
+  EXPECT_EQ(work.written("run", "model.ply"), before) << "the same request is done";
+  work.run_json(train("run", {"--overwrite", "--lr-opacity", "0.04"}));
+  for (const auto& [file, time] : work.written("run", "model.ply"))
+    EXPECT_FALSE(before.contains(file) && before.at(file) == time) << file;
+
+  work.run(with(whole, {"--overwrite", "--stop-after", "5"}));
+  EXPECT_EQ(work.run_json({"evaluate", work.at("run"), "--backend", "cpu"})["windows"], 2)
+      << "until the new one is complete";
+  work.run_json(with(whole, {"--overwrite"}));
+  EXPECT_TRUE(fs::exists(work / "run/model.ply"));
+  EXPECT_FALSE(fs::exists(work / "run/windows.json"));
+  EXPECT_FALSE(fs::exists(work / "run/static"));
+
+  work.expect_refused(train("run"), {"a training of the whole clip", "--overwrite"});
+  EXPECT_EQ(work.run_json(train("run", {"--overwrite"}))["windows"], 2);
+  EXPECT_FALSE(fs::exists(work / "run/model.ply"));
 }
 
 // Finds: a stage of `run` that looks for one model; a second run that trains again; a successor

@@ -37,7 +37,7 @@ first=$(models "$out")
 cp "$capture/train/r_003.png" "$work/kept.png"
 mv "$capture/transforms_train.json" "$work" && echo "{" >"$capture/transforms_train.json"
 check "a capture breaks: exit code 1" same 1 "$(exit_code run_batch "$out")"
-check "and shows no results of before" grep -q '^room,,quick,0,0,,,' "$out/report/report.csv"
+check "and shows no results of before" grep -q '^room,,quick,[0-9]*,0,,,' "$out/report/report.csv"
 mv "$work/transforms_train.json" "$capture"
 cp "$capture/train/r_004.png" "$capture/train/r_003.png"
 check "mended: everything is to do" same "$everything" "$(planned "$out")"
