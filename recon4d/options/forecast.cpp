@@ -107,11 +107,12 @@ ForecastLoad forecast_load(const Scene& scene) {
     cameras[frame.camera_name].push_back(&frame);
   }
   std::set<const Image8*> kept;
-  for (const auto& [name, frames] : cameras)
+  for (const auto& [name, frames] : cameras) {
+    const bool known = has_median(frames);
     for (const Frame* const frame : frames)
-      load.moving_mask_bytes += has_median(frames)
-                                    ? int64_t(frame->camera.width) * frame->camera.height
-                                    : new_bytes(frame->mask, kept);
+      load.moving_mask_bytes += known ? int64_t(frame->camera.width) * frame->camera.height
+                                      : new_bytes(frame->mask, kept);
+  }
   const int64_t timesteps = scene.timesteps_of(Split::kTrain);
   load.still = timesteps <= 1;
   load.rig = timesteps > 1 && load.training_frames > timesteps;
