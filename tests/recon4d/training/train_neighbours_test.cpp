@@ -46,6 +46,7 @@ TEST(NearestPoints, OfOthers) {
     }
     EXPECT_NEAR(found[i], least, 1e-6F) << i;
   }
+  for (const float squared : squared_distance_to_nearest(others, others)) EXPECT_EQ(squared, 0);
   EXPECT_TRUE(std::isinf(squared_distance_to_nearest(points, {})[0]));
 }
 

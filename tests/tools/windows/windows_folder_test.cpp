@@ -125,7 +125,12 @@ TEST(Windows, PlansAreReadAsTheyWereWritten) {
   write_text_file(folder.window_run(1) / "checkpoint.ckpt", "");
   EXPECT_EQ(folder.missing(read).size(), 3u) << "it has stopped before its end";
   write_text_file(folder.plan_file(), R"({"format": "tessera-windows", "version": 2})");
-  EXPECT_THROW(folder.read(), InputError);
+  try {
+    folder.read();
+    FAIL() << "a newer version";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("is of version 2"), std::string::npos);
+  }
   write_text_file(folder.plan_file(), "{}");
   EXPECT_THROW(folder.read(), InputError);
 }
