@@ -31,7 +31,7 @@ constexpr int64_t kQuarters = 4;
 constexpr int64_t kMoments = 31;  // of a quarter
 constexpr int64_t kLeastMoments = 3;
 constexpr int kMostChange = 10;       // 8-bit units, between quarters
-constexpr double kLeastAtRest = 0.6;  // of the moments, in which a pixel is as in the median
+constexpr double kLeastAtRest = 0.6;  // of the images, that have a pixel as their median
 constexpr double kLeastShared = 0.5;  // of the pixels, below which there is a warning
 
 struct StillImage {
@@ -85,8 +85,8 @@ std::vector<int> moments_of(const std::vector<int>& frames, int64_t quarter) {
 
 using ImageValues = std::vector<const std::vector<uint8_t>*>;
 
-/// Moments of a camera: their medians by quarter, and how often each pixel is as in these.
-class Moments {
+/// Medians of a camera's images by quarter, and how many images have each pixel as these.
+class QuarterMedians {
  public:
   void add(const ImageValues& quarter) {
     std::vector<uint8_t> median = lower_medians(quarter);
@@ -126,14 +126,14 @@ class Moments {
   }
 
   std::vector<std::vector<uint8_t>> medians_;
-  std::vector<uint8_t> at_rest_;  // moments
+  std::vector<uint8_t> at_rest_;  // images
   int64_t count_ = 0;
   int most_change_ = kMostChange;
 };
 static_assert(kQuarters * kMoments <= 255);
 
 StillImage still_image(const SceneFiles& files, const std::vector<int>& frames) {
-  Moments moments;
+  QuarterMedians medians;
   StillImage still;
   for (int64_t quarter = 0; quarter < kQuarters; ++quarter) {
     SceneOptions options;
@@ -146,16 +146,16 @@ StillImage still_image(const SceneFiles& files, const std::vector<int>& frames) 
                       scene.path));
     ImageValues images;
     for (const Frame& frame : scene.frames) images.push_back(&frame.image.data);
-    moments.add(images);
+    medians.add(images);
     if (quarter == 0) still.frame = std::move(scene.frames.front());
   }
   Image8& image = still.frame.image;
-  image.data = moments.median();
+  image.data = medians.median();
   Image8 mask{image.width, image.height, 1, {}};
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const bool is_used = !still.frame.mask.ignores(x, y);
-      const bool is_shared = is_used && moments.stays(mask.data.size());
+      const bool is_shared = is_used && medians.stays(mask.data.size());
       mask.data.push_back(is_shared ? 255 : 0);
       still.used += is_used;
       still.shared += is_shared;

@@ -22,7 +22,6 @@
 #include "tools/cli/argument_words.h"
 #include "tools/cli/output_place.h"
 #include "tools/export/formats.h"
-#include "tools/windows/window_choice.h"
 
 namespace tessera {
 namespace {
@@ -75,7 +74,6 @@ void check_numbers(const BatchConfig& config) {
     if (seed < 0) throw InputError(fmt::format("--seeds has {}; pass 0 or more", seed));
   if (config.threads < 1)
     throw InputError(fmt::format("--threads is {}, expected 1 or more", config.threads));
-  parse_windows(config.windows);
   if (config.window_jobs < 1)
     throw InputError(fmt::format("--window-jobs is {}, expected 1 or more", config.window_jobs));
   if (config.gpus < 0)

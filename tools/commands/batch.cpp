@@ -24,6 +24,7 @@
 #include "tools/cli/train_arguments.h"
 #include "tools/session/device_choice.h"
 #include "tools/web/web_page.h"
+#include "tools/windows/window_choice.h"
 
 namespace tessera {
 namespace {
@@ -107,6 +108,7 @@ void refuse_with_table(const CLI::App& command) {
 
 void complete(const CLI::App& command, BatchRequest& request) {
   BatchConfig& config = request.config;
+  parse_windows(config.windows);  // its error now
   config.options = request.training.given;
   if (!request.training.ablation.empty()) config.options["ablation"] = request.training.ablation;
   if (!request.checkpoint_every.empty())
