@@ -237,6 +237,9 @@ class Runner {
     check_finished(plan_run(
         {false, fs::exists(plan), ledger_.is_finished(kTrain.entry), ledger_.inputs(kTrain.entry)},
         inputs, request_.overwrite));
+    if (request_.view)
+      warn(kTrain.message(fmt::format(": --view is of one training; of a window: tessera view {}",
+                                      WindowsFolder{run_.root}.window_run(0).string())));
     return do_stage(kTrain, inputs, plan, [&]() -> std::optional<json> {
       WindowsRequest windows;
       windows.scene = scene_;
@@ -264,6 +267,7 @@ class Runner {
                changes(made_for, inputs).empty();
     if (!resumes_ && plan.action != RunAction::kDone && fs::exists(run_.checkpoint()))
       set_checkpoint_aside(plan.changed);
+    if (plan.action != RunAction::kDone) set_windows_aside();
     made_for_ = inputs.dump();
     return do_stage(kTrain, inputs, run_.model(), [&]() -> std::optional<json> {
       TrainingTerminal terminal;
@@ -284,6 +288,17 @@ class Runner {
   void set_checkpoint_aside(const std::vector<std::string>& changed) {
     const fs::path checkpoint = run_.checkpoint(), aside = run_.set_checkpoint_aside();
     warn(text_of_aside(checkpoint, changed, aside));
+  }
+
+  /// Windows of an unfinished run are no part of this one.
+  void set_windows_aside() const {
+    const fs::path plan = WindowsFolder{run_.root}.plan_file();
+    if (!fs::exists(plan)) return;
+    fs::remove(plan);
+    warn(fmt::format(
+        "{}: is of an unfinished run in windows, and gone; those that were trained stay "
+        "and are taken up where the same windows are asked for again",
+        plan.string()));
   }
 
   TrainRequest train_request() const {

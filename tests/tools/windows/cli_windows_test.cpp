@@ -169,11 +169,12 @@ TEST_F(CliWindows, ReplaceAndAreReplacedWhereThatIsAskedFor) {
 }
 
 // Finds: a stage of `run` that looks for one model; a second run that trains again; a successor
-// whose windows name the folder in which they were made, or that leaves the old windows behind.
+// whose windows name the folder in which they were made, or that leaves the old windows behind; the
+// scores of old windows in the place of a whole clip's.
 TEST_F(CliWindows, ComeOutOfRunAsOneResult) {
-  const auto run = [&](const std::vector<std::string>& more) {
+  const auto run = [&](const std::vector<std::string>& more, const char* windows = "1s") {
     std::vector<std::string> command{"run", work.at("room"), "-o", work.at("out")};
-    command.insert(command.end(), {"--windows", "1s", "--cloud", "none"});
+    command.insert(command.end(), {"--windows", windows, "--cloud", "none"});
     return tiny(command, more);
   };
   const json result = work.run_json(run({"--iterations", "12"}));
@@ -197,7 +198,13 @@ TEST_F(CliWindows, ComeOutOfRunAsOneResult) {
   EXPECT_FALSE(fs::exists(work / "out/previous"));
   EXPECT_EQ(json::parse(work.read("out/run/windows.json"))["scene"],
             fs::absolute(work / "out/scene").string());
-  EXPECT_EQ(work.run({"evaluate", work.at("out"), "--backend", "cpu"}).exit_code, 0);
+  EXPECT_EQ(work.run_json({"evaluate", work.at("out"), "--backend", "cpu"})["windows"], 2);
+
+  fs::remove(work / "out/stages.json");  // as where it was stopped before its end
+  const ChildResult whole = work.run(run({"--iterations", "12"}, "none"));
+  EXPECT_EQ(whole.exit_code, 0) << whole.err;
+  EXPECT_NE(whole.err.find("of an unfinished run in windows"), std::string::npos);
+  EXPECT_FALSE(work.run_json({"evaluate", work.at("out"), "--backend", "cpu"}).contains("windows"));
 }
 
 // Finds: two programs that train the same window; one that ends before the other has done its part;
