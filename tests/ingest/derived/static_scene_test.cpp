@@ -94,9 +94,8 @@ class AStaticScene : public ::testing::Test {
       {{0, 0, 0}, {0, 0, 0.1F}, {0, 100, 0}}, {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, {}, {1, 0, 1}};
 };
 
-// Finds: one median of the whole clip (the box that is moved stays in it); a ball that passes in
-// the image; masks of the scene that are dropped; the test camera left out; several frames a
-// camera.
+// Bugs put back, each seen to fail: quarters that differ as they like (the box that is moved
+// stays); the first image instead of the median (the ball); masks of the scene that are dropped.
 TEST_F(AStaticScene, HasWhatStaysAndMasksWhatIsMoved) {
   const StaticSceneReport report = make();
   EXPECT_EQ(report.cameras, 2);
@@ -124,7 +123,8 @@ TEST_F(AStaticScene, HasWhatStaysAndMasksWhatIsMoved) {
 }
 
 // A figure that moves on one spot has the same medians in all quarters; noise alone moves nothing.
-// Finds: the figure in the background; noise of 15 levels that passes for movement.
+// Bugs put back, each seen to fail: the figure in the background; noise of 15 levels that passes
+// for movement within a quarter; between quarters.
 TEST_F(AStaticScene, LeavesOutWhatMovesOnOneSpot) {
   const auto is_figure = [](int x, int y) { return y >= 6 && y < 10 && x >= 9 && x < 14; };
   std::mt19937 random(1);
@@ -157,7 +157,8 @@ TEST_F(AStaticScene, LeavesOutWhatMovesOnOneSpot) {
   }
 }
 
-// Finds: points that move; points that no image shows; times of points, which a static cloud lacks.
+// Bug put back: points that move; seen to fail. Finds also: points that no image shows; times of
+// points, which a static cloud lacks.
 TEST_F(AStaticScene, HasThePointsThatStandStillAndAreShown) {
   make();
   const Scene scene = read();
@@ -166,7 +167,8 @@ TEST_F(AStaticScene, HasThePointsThatStandStillAndAreShown) {
   EXPECT_TRUE(scene.points.time.empty());
 }
 
-// Finds: nothing said of light that changes; a camera that moves; a clip too short to tell.
+// Bugs put back, each seen to fail: nothing said of light that changes; quarters that differ as
+// they like. Finds also: a camera that moves; a clip too short to tell.
 TEST_F(AStaticScene, IsRefusedOrWarnedOfWhereThereIsNone) {
   for (int i = 0; i < kMoments; ++i) {
     Image8 image = image_of(i);

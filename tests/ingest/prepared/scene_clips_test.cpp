@@ -96,9 +96,9 @@ class SceneClips : public ::testing::Test {
   json cameras_ = json::array();
 };
 
-// Finds: images without the lens removed; scaled before that; times by rate and number of the
-// frame; frames of a window by their place in the whole clip; the clips in another order than
-// their frames.
+// Bug put back: images without the lens removed; seen to fail. Finds also: scaled before that;
+// times by rate and number of the frame; frames of a window by their place in the whole clip; the
+// clips in another order than their frames.
 TEST_F(SceneClips, AreTheSameSceneAsItsImages) {
   const IngestReport images = ingest("images", FramesAs::kPng);
   const IngestReport clips = ingest("clips", FramesAs::kVideo);

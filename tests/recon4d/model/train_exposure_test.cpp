@@ -219,8 +219,8 @@ TEST(TrainExposure, JsonNamesTheCameras) {
   EXPECT_EQ(json["gains"]["ring3"], nlohmann::json({1.0, 1.0, 1.0}));
 }
 
-// Finds: gains stored as they are, not their logarithms; a matrix that is transposed; a camera that
-// is not there taken for 1.
+// Bugs put back, each seen to fail: gains stored as they are, not their logarithms; a matrix that
+// is transposed. Finds also: a camera that is not there taken for 1.
 TEST(Exposure, ComesBackFromItsJson) {
   for (const ExposureGains kind : {ExposureGains::kCamera, ExposureGains::kAffine}) {
     TrainOptions options;

@@ -55,9 +55,10 @@ struct FrozenTraining {
   const std::vector<float> before;
 };
 
-// Finds: steps of the optimiser; density control, resets of opacities, the order in memory,
-// unseen Gaussians, the mean of the last steps, promotion, pruning, SH degrees and the last
-// clean-up of the static set.
+// Bugs put back, each seen to fail: steps of the optimiser; unseen Gaussians and pruning of the
+// static set; its SH degrees are chosen; 3D filters of all sets. Finds also: density control,
+// resets of opacities, the order in memory, the mean of the last steps, promotion and the last
+// clean-up.
 TEST(FrozenStatic, StaysToTheBitThroughEveryEvent) {
   FrozenTraining frozen(eventful_options());
   ASSERT_GT(frozen.training.model().static_set.count(), 30);
@@ -97,7 +98,7 @@ TEST(FrozenStatic, StaysFrozenInTheMemoryOfADevice) {
   EXPECT_TRUE(same_bits(values_of(training.trainer().host_model().static_set), before));
 }
 
-// Finds: a resumed training trains the static set.
+// Bug put back: a resumed training trains the static set; seen to fail.
 TEST(FrozenStatic, StaysFrozenInACheckpoint) {
   const TrainOptions options = eventful_options();
   FrozenTraining whole(options);

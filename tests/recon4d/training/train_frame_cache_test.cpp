@@ -162,8 +162,9 @@ TEST(FrameCache, MovingPixelsAreMarked) {
   EXPECT_TRUE(shared[1].data().empty());
 }
 
-// Finds: the median of the window in place of the still image (who stands still all along counts as
-// still); what the still image does not know counts as still; a still image of another camera.
+// Bugs put back, each seen to fail: a still image of another camera; the median of the window in
+// place of the still image (who stands still all along counts as still); what the still image does
+// not know counts as still.
 TEST(MovingMasks, AreByTheStillImageOfALongerClip) {
   Scene scene;
   for (int t = 0; t < 4; ++t) {

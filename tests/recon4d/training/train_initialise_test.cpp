@@ -292,8 +292,8 @@ TEST(Initialise, OnePointAndNone) {
   EXPECT_EQ(initialise(scene_with_cloud(5), options).model.count(), 0);
 }
 
-// Finds: still points that the shared set shows placed again; others static; a shared set that is
-// changed; still points beyond it for a few frames alone.
+// Bugs put back, each seen to fail: still points beyond the shared set for a few frames alone;
+// still points that it shows placed again. Finds also: others static; a shared set that is changed.
 TEST(Initialise, BesideASharedStaticSetAllIsDynamic) {
   Scene scene = scene_with_cloud(40);
   scene.points.still.assign(40, 0);

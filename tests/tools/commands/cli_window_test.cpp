@@ -37,8 +37,8 @@ class CliWindow : public ::testing::Test {
   const CliWorkspace work;
 };
 
-// Finds: the whole scene is trained; evaluate scores the timesteps beyond the core, or the whole
-// scene; the times of the model are those of the clip.
+// Bug put back: the whole scene is trained; seen to fail. Finds also: evaluate scores the timesteps
+// beyond the core, or the whole scene; the times of the model are those of the clip.
 TEST_F(CliWindow, TrainsAndScoresAPartOfTheClip) {
   const json trained = work.run_json(arguments("run", {"--window", "1/3"}));
   EXPECT_TRUE(trained["finished"]);
@@ -56,7 +56,8 @@ TEST_F(CliWindow, TrainsAndScoresAPartOfTheClip) {
   EXPECT_NEAR(*times.rbegin(), 7.0 / 15, 1e-6) << "on the time of the model";
 }
 
-// Finds: a resumed training is of the whole scene; another window counts as the same request.
+// Bug put back: another window may be resumed; seen to fail. Finds also: a resumed training is of
+// the whole scene.
 TEST_F(CliWindow, IsPartOfTheRequest) {
   const auto ends = [&](const std::vector<std::string>& more) {
     return work.run(arguments("run", more)).exit_code;

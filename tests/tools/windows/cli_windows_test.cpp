@@ -50,9 +50,10 @@ class CliWindows : public ::testing::Test {
   const CliWorkspace work;
 };
 
-// Finds: each window trains static Gaussians of its own; a window sees other timesteps than its
-// core and eight beyond; scores of the timesteps beyond the core; times of a window in the place of
-// those of the clip; a file of windows without one of them; checkpoints that stay.
+// Bugs put back, each seen to fail: each window trains static Gaussians of its own; scores of the
+// timesteps beyond the core; checkpoints that stay; times of a window in the place of those of the
+// clip. Finds also: a window that sees other timesteps than its core and eight beyond; a file of
+// windows without one of them.
 TEST_F(CliWindows, AreTrainedScoredAndExportedAsOneClip) {
   const json trained = work.run_json(train("run"));
   EXPECT_TRUE(trained["finished"]);
@@ -103,8 +104,9 @@ TEST_F(CliWindows, AreTrainedScoredAndExportedAsOneClip) {
                       {"2 windows", "--format ply", "windows/0000"});
 }
 
-// Finds: a second command trains all again; another request replaces what is there; another cut in
-// the same folder; what is of one training taken in silence.
+// Bugs put back, each seen to fail: a second command trains all again; checkpoints that stay. Finds
+// also: another request that replaces what is there; another cut in the same folder; what is of one
+// training taken in silence.
 TEST_F(CliWindows, GoOnWhereTheyWereAndLoseNothing) {
   const ChildResult stopped = work.run(train("run", {"--time-limit", "0.001s"}));
   EXPECT_NE(stopped.exit_code, 0);
@@ -132,10 +134,10 @@ TEST_F(CliWindows, GoOnWhereTheyWereAndLoseNothing) {
   EXPECT_EQ(work.read("run/windows/0001/model.ply"), lost);
 }
 
-// What is here of another request, cut or training stays unless --overwrite is given. Finds: a
-// whole clip that is trained into a folder of windows, which then scores the windows, or the
-// reverse; old windows under a new static set; a result that is lost before the new one is
-// complete.
+// What is here of another request, cut or training stays unless --overwrite is given. Bugs put
+// back, each seen to fail: a whole clip is trained into a folder of windows, which then scores
+// these; the windows stay; the reverse; another request is refused with --overwrite, too. Finds
+// also: a result that is lost before the new one is complete.
 TEST_F(CliWindows, ReplaceAndAreReplacedWhereThatIsAskedFor) {
   work.run_json(train("run"));
   const WrittenFiles before = work.written("run", "model.ply");
@@ -207,8 +209,9 @@ TEST_F(CliWindows, ComeOutOfRunAsOneResult) {
   EXPECT_FALSE(work.run_json({"evaluate", work.at("out"), "--backend", "cpu"}).contains("windows"));
 }
 
-// Finds: two programs that train the same window; one that ends before the other has done its part;
-// a window that a killed program has left for ever; other bytes by another course of events.
+// Bug put back: checkpoints that stay, so that no window is ever done; seen to fail. Finds also:
+// two programs that train the same window; one that ends before the other has done its part; a
+// window that a killed program has left for ever; other bytes by another course of events.
 TEST_F(CliWindows, AreSharedByProgramsAndOutliveAKilledOne) {
   work.run_json(train("run"));
   std::map<std::string, std::string> models;
@@ -236,8 +239,8 @@ TEST_F(CliWindows, AreSharedByProgramsAndOutliveAKilledOne) {
   same_as_alone("killed");
 }
 
-// Finds: a static set of another scene or with what moves is taken; options that change static
-// Gaussians; a resumed training that forgets the static set.
+// Bug put back: a static set of what moves is taken; seen to fail. Finds also: one of another
+// scene; options that change static Gaussians; a resumed training that forgets the static set.
 TEST_F(CliWindows, ShareAStaticModelOfTheSameWorldAlone) {
   work.run_json(train("run"));
   const auto window = [&](const std::string& shared, const std::vector<std::string>& more) {

@@ -34,8 +34,9 @@ RenderedImage drawn(const Frame& frame, double moving, double still) {
   return image;
 }
 
-// Finds: an error that stays counted as a jump; pairs across a border among those inside; the
-// moving pixels by what is drawn; images of another camera compared; masks ignored.
+// Bugs put back, each seen to fail: an error that stays counted as a jump; pairs across a border
+// among those inside; masks ignored. Finds also: the moving pixels by what is drawn; images of
+// another camera compared.
 TEST(Borders, AreApartFromWhatIsInside) {
   BorderMeter meter;
   const auto add = [&](int timestep, double moving, double still) {
@@ -78,8 +79,8 @@ Scene part_of(const Scene& scene, int64_t first, int64_t last, double low, doubl
   return part;
 }
 
-// Finds: means of the means of windows of unequal length; times of a window; timesteps of the last
-// window alone.
+// Bugs put back, each seen to fail: times of a window; timesteps of the last window alone. Finds
+// also: means of the means of windows of unequal length.
 TEST(JoinedScores, AreThoseOfTheWholeClip) {
   TinyCapture capture;
   capture.cameras = 3;

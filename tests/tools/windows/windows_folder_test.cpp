@@ -48,8 +48,8 @@ std::string refusal(const std::string& wish, const Scene& scene, int64_t memory)
 
 constexpr int64_t kMuch = int64_t{1} << 40;
 
-// Finds: borders at a timestep, which belongs to one window alone; borders by one camera where
-// another is later; a window's time by its core.
+// Bug put back: borders at a timestep, which belongs to one window alone; seen to fail. Finds also:
+// borders by one camera where another is later; a window's time by its core.
 TEST(Windows, CutBetweenTwoTimesteps) {
   const std::vector<FileWindow> windows = cut_clip(rig(41, 4), 3, 2);
   ASSERT_EQ(windows.size(), 3u);
@@ -63,8 +63,8 @@ TEST(Windows, CutBetweenTwoTimesteps) {
   EXPECT_THROW(cut_clip(rig(41, 4), 30, 2), InputError);
 }
 
-// Finds: short clips that are cut; a long one that is not; a last window of a few frames; windows
-// that do not fit into the memory; a clip that fits cut because it is large.
+// Bugs put back, each seen to fail: short clips that are cut; windows that do not fit into the
+// memory. Finds also: a long clip that is not cut; a last window of a few frames.
 TEST(Windows, AreChosenByLengthAndMemory) {
   EXPECT_EQ(choice("auto", rig(600, 20), kMuch).count, 1);
   EXPECT_EQ(choice("auto", rig(750, 24.97), kMuch).count, 5);
@@ -82,8 +82,8 @@ TEST(Windows, AreChosenByLengthAndMemory) {
   EXPECT_NE(refusal("auto", ten, 2 * 20 * 45000).find("--scale"), std::string::npos);
 }
 
-// Finds: a camera that moves, images with alpha or one camera cut in silence; a wish that cannot be
-// met taken for none.
+// Bugs put back, each seen to fail: a camera that moves and images with alpha are cut. Finds also:
+// a wish that cannot be met taken for none.
 TEST(Windows, AreForRigsThatStandStill) {
   Scene moving = rig(900, 30);
   moving.frames[1000].camera.translation.x = 9;
@@ -103,7 +103,8 @@ TEST(Windows, AreForRigsThatStandStill) {
   EXPECT_NE(refusal("0.1s", rig(300, 10), kMuch).find("100 windows"), std::string::npos);
 }
 
-// Finds: numbers that a text of few digits rounds; a plan of a later program read as this one's.
+// Bugs put back, each seen to fail: a training that was stopped counts as finished; a plan of a
+// later program read as this one's. Finds also: numbers that a text of few digits rounds.
 TEST(Windows, PlansAreReadAsTheyWereWritten) {
   const ScratchFolder scratch;
   const WindowsFolder folder{scratch / "run"};
