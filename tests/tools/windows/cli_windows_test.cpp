@@ -158,8 +158,8 @@ TEST_F(CliWindows, ReplaceAndAreReplacedWhereThatIsAskedFor) {
     EXPECT_FALSE(before.contains(file) && before.at(file) == time) << file;
 
   work.run(with(whole, {"--overwrite", "--stop-after", "5"}));
-  EXPECT_EQ(work.run_json({"evaluate", work.at("run"), "--backend", "cpu"})["windows"], 2)
-      << "until the new one is complete";
+  EXPECT_FALSE(fs::exists(work / "run/model.ply")) << "until the new one is complete";
+  EXPECT_EQ(work.run_json({"evaluate", work.at("run"), "--backend", "cpu"})["windows"], 2);
   work.run_json(with(whole, {"--overwrite"}));
   EXPECT_TRUE(fs::exists(work / "run/model.ply"));
   EXPECT_FALSE(fs::exists(work / "run/windows.json"));
