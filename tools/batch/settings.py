@@ -284,6 +284,7 @@ def load(file):
                     "its results")
     if not isinstance(given.get("deterministic", False), bool):
         raise Wrong("deterministic: expected true or false")
+    gpus = number(given, "gpus", 0, 0)
     program = str(given.get("tessera") or "tessera")
     program = os.path.join(base, program) if "/" in program else shutil.which(program) or program
     return Batch(out=base, program=program, scenes=read_scenes(given, base),
@@ -291,6 +292,6 @@ def load(file):
                  seeds=tuple(list_of(given, "seeds", int, [1], filled=True)),
                  formats=tuple(list_of(given, "exports", str, ["tessera", "html"])),
                  threads=number(given, "threads", 1, os.cpu_count()),
-                 gpus=number(given, "gpus", 0, 0), deterministic=given.get("deterministic", False),
+                 gpus=gpus, deterministic=given.get("deterministic", False),
                  windows=str(given.get("windows") or "auto"),
-                 window_jobs=number(given, "window_jobs", 1, max(1, number(given, "gpus", 0, 0))))
+                 window_jobs=number(given, "window_jobs", 1, max(1, gpus)))

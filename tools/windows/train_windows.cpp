@@ -98,9 +98,7 @@ class WindowsTraining {
   }
 
   bool is_of_this_request() {
-    plan_ = folder_.read();
-    if (int64_t(plan_.windows.size()) != request_.count || plan_.scene_files != files_of_scene())
-      return false;
+    if (!has_plan_of_request()) return false;
     const fs::path scene = folder_.static_scene();
     if (!is_prepared_scene(scene)) return true;  // nothing is trained yet
     const TrainRequest training =
@@ -143,11 +141,15 @@ class WindowsTraining {
     return !terminal_.must_stop();
   }
 
-  void check_plan() {
+  /// Reads the plan. False: it is of another clip or cut.
+  bool has_plan_of_request() {
     plan_ = folder_.read();
+    return int64_t(plan_.windows.size()) == request_.count && plan_.scene_files == files_of_scene();
+  }
+
+  void check_plan() {
+    if (has_plan_of_request()) return;
     const auto count = int64_t(plan_.windows.size());
-    const bool is_same = count == request_.count && plan_.scene_files == files_of_scene();
-    if (is_same) return;
     throw InputError(
         fmt::format("{}: holds {} windows of {}{}; {}", folder_.root.string(), count, plan_.scene,
                     count == request_.count ? ", whose files have changed" : "", kTwoWays));
