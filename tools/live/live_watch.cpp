@@ -40,10 +40,11 @@ std::string json_text(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-/// An address of the server; "" where the path is not in what it serves.
+/// An address of the server; "" where the path is not in what it serves, or is being removed.
 std::string address_of(const fs::path& path, const fs::path& served) {
+  std::error_code removed;
   const fs::path inside =
-      fs::weakly_canonical(path).lexically_relative(fs::weakly_canonical(served));
+      fs::weakly_canonical(path, removed).lexically_relative(fs::weakly_canonical(served, removed));
   if (inside.empty() || *inside.begin() == "..") return "";
   return "/" + inside.generic_string();
 }

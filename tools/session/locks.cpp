@@ -10,10 +10,12 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -73,6 +75,17 @@ std::string holders_of(int descriptor) {
   return fmt::format("process {} on {}", fmt::join(processes, ", "), host_name());
 }
 
+/// Returns 0 or errno. A lock that is_run_locked of another program holds for a moment is waited
+/// for.
+int lock_for_itself(int descriptor) {
+  constexpr int kTries = 20;
+  for (int tries = 1; ::flock(descriptor, LOCK_EX | LOCK_NB) != 0; ++tries) {
+    if (errno != EWOULDBLOCK || tries == kTries) return errno;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return 0;
+}
+
 [[noreturn]] void refuse(const fs::path& scene, SceneLock::Use use, const std::string& who) {
   if (use == SceneLock::Use::kRead)
     throw InputError(fmt::format("{}: {} is replacing this scene; wait until it has ended",
@@ -103,8 +116,8 @@ RunLock::RunLock(const std::filesystem::path& folder, SessionObserver& observer)
 bool RunLock::take() {
   descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (descriptor_ < 0) fail_to_write(file_, errno);
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-    if (errno == EWOULDBLOCK) {
+  if (const int error = lock_for_itself(descriptor_); error != 0) {
+    if (error == EWOULDBLOCK) {
       const std::string who = holder(descriptor_);
       ::close(descriptor_);
       throw InputError(
@@ -114,7 +127,7 @@ bool RunLock::take() {
     }
     observer_.on_warning(
         fmt::format("{}: this file system has no locks ({}); let no second training write here",
-                    file_.string(), std::strerror(errno)));
+                    file_.string(), std::strerror(error)));
     return true;
   }
   if (is_file_of_name(descriptor_, file_)) return true;

@@ -1,13 +1,19 @@
 // A training with --view: its page stops and resumes it, and follows it to its place. Source:
 // docs/reference/player.md.
+#include <fcntl.h>
+#include <sys/file.h>
+
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <thread>
 
 #include "tests/tools/commands/cli_workspace.h"
 #include "tests/tools/view/http_client.h"
+#include "tools/live/live_folder.h"
 
 namespace tessera::testing {
 namespace {
@@ -30,7 +36,8 @@ class Page {
                "\r\nConnection: close\r\nCookie: tessera_view_" + match[1].str() + "=" +
                match[2].str() + "\r\n";
   }
-  json state() const { return json::parse(body(send("GET /api/state?seen=0"))); }
+  json state() const { return json::parse(body(state_answer())); }
+  std::string state_answer() const { return send("GET /api/state?seen=0"); }
   std::string report() const { return body(send("GET /api/report")); }
   /// The status.
   int post(const std::string& path) const {
@@ -168,6 +175,39 @@ TEST_F(ViewedTraining, ASuccessorIsFollowedToItsPlace) {
   EXPECT_TRUE(view.wait_until([&] { return other.state()["complete"].get<bool>(); }));
   EXPECT_EQ(other.state()["resume"], "");
   EXPECT_NE(other.report().find("\"curves\""), std::string::npos);
+}
+
+// Bug put back: the address of a snapshot throws where RUN/live is removed while its path is
+// resolved; seen to fail.
+TEST_F(ViewedTraining, IsAnsweredWhileItsFilesComeAndGo) {
+  ASSERT_EQ(work.train("run", {"--iterations", "2"}).exit_code, 0);
+  const fs::path run = work / "run";
+  const OpenFile lock(::open((run / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+  ASSERT_EQ(::flock(lock.descriptor(), LOCK_EX | LOCK_NB), 0);
+  ChildProcess view({"view", run.string(), "--no-browser"}, scratch.path());
+  ASSERT_TRUE(view.wait_until([&] { return has(view, "ends the view; the training continues"); }))
+      << view.err_so_far();
+  const Page page(view.out_so_far());
+  std::atomic<bool> ends = false;
+  std::thread training([&] {
+    const LiveFolder live(run);
+    LiveState state;
+    state.training = "0";
+    for (state.snapshot = 1; !ends; ++state.counter) {
+      live.make();
+      live.write(state);
+      live.remove();
+    }
+  });
+  int64_t with_snapshot = 0;
+  for (int i = 0; i < 2000 && !HasFailure(); ++i) {
+    const std::string answer = page.state_answer();
+    EXPECT_TRUE(answer.starts_with("HTTP/1.1 200 ")) << i << ": " << answer;
+    with_snapshot += answer.find("live/scene_1.t4d") != std::string::npos;
+  }
+  ends = true;
+  training.join();
+  EXPECT_GT(with_snapshot, 0);
 }
 
 }  // namespace
