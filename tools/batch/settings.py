@@ -40,12 +40,15 @@ class Variant:
     def given(self):
         return {k: v for k, v in self.options if k not in SESSION_OPTIONS}
 
+    def session(self):
+        return {k: v for k, v in self.options if k in SESSION_OPTIONS}
+
     def number(self, key):
         """Of a checked option; 0 where it is not given."""
         return float(dict(self.options).get(key, 0))
 
-    def arguments(self, keys):
-        return [word for k, v in self.options if k in keys for word in (dashed(k), v)]
+    def arguments(self):
+        return [word for k, v in self.options for word in (dashed(k), v)]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -169,7 +172,7 @@ def read_variants(given):
 
 def check_values(batch, variant):
     """Options are read before the scene: a training of no scene complains of that one alone."""
-    words = variant.arguments([key for key, _ in variant.options])
+    words = variant.arguments()
     said = subprocess.run([batch.program, "train", "no scene", "-o", "no run", "--preset",
                            variant.preset, *words], capture_output=True, text=True, cwd="/").stderr
     if "no scene: no such folder" not in said:

@@ -5,7 +5,7 @@ import os
 import re
 
 import records
-from settings import SESSION_OPTIONS, dashed
+from settings import dashed
 
 LEAST_GAUSSIANS = 5000
 LEAST_SHARE = 0.2  # of all memory in Gaussians; below, fewer of them do not help
@@ -61,9 +61,10 @@ def command(run, scene, variant, seed, batch, forecast, out_of_memory, in_window
         reduced = smaller(run, forecast) or reduced
     os.makedirs(run, exist_ok=True)
     records.write(state_file, {"asked": asked, "reduced": reduced})
+    session = {"evaluate_every": "never", **variant.session()}  # a job of its own scores the model
     options = {**variant.given(), **reduced, "seed": str(seed),
                "deterministic": "true" if batch.deterministic else "false"}
-    words = [word for key, value in options.items() for word in (dashed(key), value)]
+    words = [word for key, value in [*options.items(), *session.items()]
+             for word in (dashed(key), value)]
     windows = ["--windows", batch.windows] if in_windows else []
-    return ["--resume=auto", "--overwrite", *windows, "--preset", variant.preset, *words,
-            *variant.arguments(SESSION_OPTIONS)]
+    return ["--resume=auto", "--overwrite", *windows, "--preset", variant.preset, *words]

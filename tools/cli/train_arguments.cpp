@@ -62,6 +62,16 @@ TrainOptions layered_options(const TrainArguments& arguments, const SceneFacts& 
   return options;
 }
 
+/// Makes the number of EvaluationPlan of `text`; returns what is wrong with it.
+std::string evaluation_steps(std::string& text) {
+  const bool is_number = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  if (text == kNever)
+    text = fmt::format("{}", kNeverEvaluate);
+  else if (!is_number)
+    return fmt::format("'{}' is no number of steps, nor {}", text, kNever);
+  return "";
+}
+
 }  // namespace
 
 void add_train_options(CLI::App& command, TrainArguments& arguments) {
@@ -76,8 +86,11 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
                      "JSON file of options, or the config.json of a run, after the preset");
   add_backend_options(command, arguments.backend);
   command.add_option("--threads", arguments.threads, "CPU threads; 0: all")->capture_default_str();
-  command.add_option("--evaluate-every", arguments.evaluate_every,
-                     "steps between two scores of the test views; 0: at the end only");
+  command
+      .add_option("--evaluate-every", arguments.evaluate_every,
+                  "steps between two scores of the test views; 0: at the end only; never, as `run` "
+                  "has it: `evaluate` scores them")
+      ->transform(CLI::Validator(&evaluation_steps, ""));
   command
       .add_option("--checkpoint-every", arguments.checkpoint_every,
                   "steps between two checkpoints; 0: at the end; default: every minute")

@@ -10,14 +10,17 @@
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options.h"
 #include "tools/cli/command.h"
+#include "tools/session/clock/session_events.h"
 
 namespace tessera {
+
+constexpr const char* kNever = "never";  // as --evaluate-every has kNeverEvaluate
 
 struct TrainArguments {
   std::string preset = "balanced", ablation, config, backend = "auto";
   std::map<std::string, std::string> given;  // option key → text, as typed
   int threads = 0;
-  int64_t evaluate_every = 0;
+  int64_t evaluate_every = 0;  // of EvaluationPlan
   std::optional<int64_t> checkpoint_every;
 };
 

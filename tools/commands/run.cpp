@@ -68,6 +68,7 @@ void add_run_command(CLI::App& app, Work& work) {
                    "replace a finished run once the new one is complete");
   command.add_flag("--view", request->view, "show the training in a browser: tessera view OUT");
   command.add_flag("--json", request->json_output, "print one JSON object");
+  request->training.evaluate_every = kNeverEvaluate;  // a stage of its own scores the model
   add_train_options(command, request->training);
   command.callback([request, &work] {
     work = [request] {

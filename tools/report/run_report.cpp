@@ -160,12 +160,23 @@ std::vector<ScoredView> scored_views(const json& metrics) {
   return found;
 }
 
+/// Where the training has left the scores of its last model to `evaluate`.
+void add_last_score(const json& metrics, const json& end, RunCurves& curves) {
+  const std::optional<double> psnr = number_at(metrics, "psnr"),
+                              step = number_at(end, "iterations");
+  if (!psnr || !step || text_at(metrics, "split") == "train" || !curves.psnr_validation.empty())
+    return;
+  if (curves.psnr_test.empty() || double(curves.psnr_test.back().step) < *step)
+    curves.psnr_test.push_back({int64_t(*step), number_at(end, "seconds").value_or(0), *psnr});
+}
+
 json run_report(const RunRecords& records) {
   const std::vector<json> events = log_events(records.log);
   const bool is_done = !events.empty() && text_at(events.back(), "event") == "end";
   const json& end = is_done ? events.back() : records.trained;
   const json& ingest = field_at(field_at(records.stages, "ingest"), "result");
-  const RunCurves curves = run_curves(events);
+  RunCurves curves = run_curves(events);
+  add_last_score(records.metrics, end, curves);
   json run = starts_of(events);
   run["preset"] = text_at(records.config, "preset");
   run["seed"] = field_at(records.config, "seed");

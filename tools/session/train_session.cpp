@@ -119,7 +119,7 @@ class Session {
       if (event == SessionEvent::kEnd) break;
       act(event);
     }
-    if (ended() && validation_->on() && !leaves())
+    if (evaluations_.at_end() && ended() && validation_->on() && !leaves())
       score(model(), validation_->record().best_iteration, "shipped", true);
     wall_.time(WallSplit::kSave, [&] { write_results(); });
     if (left_ && !observer_.must_stop()) report_limit();
@@ -134,7 +134,8 @@ class Session {
     const auto is_new = [&] {
       return step > first_ || (step > 0 && !was_scored(writer_.folder().log(), step));
     };
-    state_.score_due = (evaluations_.due(step) && is_new()) || (ended() && !validation_->on());
+    state_.score_due = (evaluations_.due(step) && is_new()) ||
+                       (evaluations_.at_end() && ended() && !validation_->on());
   }
 
   void act(SessionEvent event) {

@@ -26,7 +26,7 @@ struct TrainRequest {
   std::string preset, ablation, backend = "auto";
   bool resume = false;
   bool overwrite = false;                   // an existing run folder may be replaced
-  int64_t evaluate_every = 0;               // steps; 0: only at the end
+  int64_t evaluate_every = 0;               // of EvaluationPlan
   std::string made_for;                     // what the caller knows the training by; in config.json
   std::optional<int64_t> checkpoint_every;  // steps; without a value by the clock
   std::optional<int64_t> stop_after;        // steps of this call

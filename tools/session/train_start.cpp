@@ -41,8 +41,8 @@ void add_sampled(const std::vector<uint8_t>& bytes, Fnv1a& hash) {
   for (size_t i = 0; i < bytes.size(); i += kApart) hash.add(&bytes[i], 1);
 }
 
-/// Tells scenes apart on resume: names, times, sizes, cameras, images and masks of the frames, and
-/// the points.
+/// Tells scenes apart on resume: names, times, sizes, cameras and masks of the frames, the images
+/// that are trained on, and the points.
 std::string scene_fingerprint(const Scene& scene) {
   Fnv1a hash;
   for (const Frame& frame : scene.frames) {
@@ -53,7 +53,8 @@ std::string scene_fingerprint(const Scene& scene) {
       hash.add(&value, sizeof(value));
     hash.add(&camera.cam_from_world, sizeof(camera.cam_from_world));
     hash.add(&camera.translation, sizeof(camera.translation));
-    add_sampled(frame.image.data, hash);
+    if (frame.split == Split::kTrain || frame.split == Split::kValidation)
+      add_sampled(frame.image.data, hash);
     hash.add(frame.mask.data().data(), frame.mask.data().size());
   }
   add_values(scene.points.position, hash);
@@ -132,7 +133,7 @@ json make_config(const TrainRequest& request, const PlannedOptions& planned, con
 }
 
 Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options,
-                          const std::optional<Window>& window) {
+                          const std::optional<Window>& window, bool held_out) {
   SceneOptions scene_options;
   scene_options.window = window;
   scene_options.background = parse_background(options.background);
@@ -141,6 +142,7 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
   scene_options.load_pixels = false;
   check_fits_memory(files.load(scene_options), machine_memory());
   scene_options.load_pixels = true;
+  if (!held_out) scene_options.pixels_of = {Split::kTrain};
   return scaled_scene(files.load(scene_options), options.train_scale);
 }
 

@@ -16,9 +16,10 @@
 namespace tessera {
 
 /// The scene as a training with these options sees it: its background, one timestep allowed or not.
+/// Without `held_out` the frames of other splits have no pixels, as load_scene's pixels_of has it.
 /// Errors: as load_scene.
 Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options,
-                          const std::optional<Window>& window = {});
+                          const std::optional<Window>& window = {}, bool held_out = true);
 
 /// What a user of these options on this scene may not expect, one line each; with what the scene
 /// itself warns of.

@@ -10,6 +10,7 @@
 #include "recon4d/model/exposure.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/validation.h"
+#include "tools/session/clock/session_events.h"
 
 namespace tessera {
 namespace {
@@ -91,7 +92,8 @@ void share_static(TrainingSetup& setup, const TrainRequest& request) {
 /// The device starts while the scene is read. What is wrong with the scene is said first.
 void load_beside_device(TrainingSetup& setup, const TrainRequest& request, WallSplit& wall) {
   auto scene = std::async(std::launch::async, [&] {
-    return load_training_scene(request.scene, setup.options, request.window);
+    return load_training_scene(request.scene, setup.options, request.window,
+                               request.evaluate_every != kNeverEvaluate);
   });
   std::exception_ptr failed;
   wall.time(WallSplit::kDevice, [&] {

@@ -31,8 +31,10 @@ std::vector<std::string> words_of(const TrainArguments& arguments) {
   if (!arguments.config.empty()) add("--config", arguments.config);
   for (const auto& [key, value] : arguments.given) add(with_dashes(key), value);
   if (arguments.threads > 0) add("--threads", fmt::format("{}", arguments.threads));
-  if (arguments.evaluate_every > 0)
-    add("--evaluate-every", fmt::format("{}", arguments.evaluate_every));
+  if (arguments.evaluate_every != 0)
+    add("--evaluate-every", arguments.evaluate_every == kNeverEvaluate
+                                ? kNever
+                                : fmt::format("{}", arguments.evaluate_every));
   if (arguments.checkpoint_every)
     add("--checkpoint-every", fmt::format("{}", *arguments.checkpoint_every));
   return words;

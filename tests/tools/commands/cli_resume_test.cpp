@@ -111,6 +111,26 @@ TEST_F(CliResume, AnEvaluationThatAStopCutOffIsMadeUpFor) {
   EXPECT_EQ(scored, (std::vector<int64_t>{5, 10, 15, 20}));
 }
 
+// Bugs put back: held-out images are decoded; the model is scored in the end; a resumed training
+// asks for the same held-out pixels; each seen to fail.
+TEST_F(CliResume, ATrainingThatScoresNothingReadsNoHeldOutPixels) {
+  ASSERT_EQ(train("scored").exit_code, 0);
+  ASSERT_EQ(train("begun", {"--stop-after", "9", "--evaluate-every", "never"}).exit_code, 0);
+  ASSERT_EQ(resume("begun").exit_code, 0);
+  EXPECT_EQ(work.read("scored/model.ply"), work.read("begun/model.ply"));
+  int damaged = 0;
+  for (const char* folder : {"capture/test", "capture/val"})
+    for (const auto& entry : fs::directory_iterator(work / folder))
+      fs::resize_file(entry.path(), 60), ++damaged;  // what is left says the size alone
+  ASSERT_GT(damaged, 1);
+  const ChildResult refused = train("refused");
+  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  const ChildResult trained = train("unscored", {"--evaluate-every", "never"});
+  EXPECT_EQ(trained.exit_code, 0) << trained.err;
+  EXPECT_EQ(work.read("scored/model.ply"), work.read("unscored/model.ply"));
+  EXPECT_EQ(work.read("unscored/log.jsonl").find(R"("event":"evaluation")"), std::string::npos);
+}
+
 // Bug put back: a resumed training takes the options of the command line, which are the defaults;
 // seen to fail.
 TEST_F(CliResume, TheCheckpointsSeedStays) {

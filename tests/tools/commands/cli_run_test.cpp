@@ -57,6 +57,8 @@ TEST_F(CliRun, MakesModelScoresAndFrames) {
   for (const char* key : {"psnr", "ssim", "num_gaussians", "per_view", "splits"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["training"]["finished"], true);
+  EXPECT_EQ(work.read("out/run/log.jsonl").find(R"("event":"evaluation")"), std::string::npos)
+      << "the views are scored once";
   EXPECT_EQ(json["export"]["frames"], 2);
   for (const char* file : {"run/model.ply", "run/metrics.json", "run/log.jsonl", "run/config.json",
                            "frames/frame_0000.ply", "frames/frame_0001.ply"})

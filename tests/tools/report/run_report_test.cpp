@@ -177,6 +177,23 @@ TEST(RunReport, DensityControlIsOneSentenceASet) {
   EXPECT_EQ(text.find("dynamic set"), std::string::npos);
 }
 
+// Bugs put back: the score of `evaluate` is no point of the curve; it is one besides that of the
+// training; each seen to fail.
+TEST(RunReport, TheScoreOfEvaluateEndsTheCurve) {
+  RunRecords records = usual_records();
+  records.log = lines({start(0, "first"), steps(50, 0.3, 900), steps(100, 0.2, 950)});
+  records.metrics = {{"split", "test"}, {"psnr", 28.3}};
+  records.trained = {{"iterations", 100}, {"seconds", 4.5}};
+  const json expected = {{"step", {100}}, {"seconds", {4.5}}, {"value", {28.3}}};
+  EXPECT_EQ(run_report(records)["curves"]["psnr_test"], expected);
+  records.log += lines(
+      {{{"event", "evaluation"}, {"iteration", 100}, {"splits", {{"test", {{"psnr", 22.5}}}}}}});
+  EXPECT_EQ(run_report(records)["curves"]["psnr_test"]["value"], json::array({22.5}));
+  records.metrics["split"] = "train";
+  records.log = lines({start(0, "first"), steps(100, 0.2, 950)});
+  EXPECT_EQ(run_report(records)["curves"]["psnr_test"]["value"], json::array());
+}
+
 TEST(RunReport, ScoresHaveMovingAndStaticPixelsApart) {
   RunRecords records = usual_records();
   records.metrics = {

@@ -45,6 +45,7 @@ holds() { [[ $(cat "$run/$1") == "$2" ]]; }
 
 check "a training" ends_with 0
 asked=$(tail -n 1 "$work/words")
+check "the job of evaluate alone scores" grep -q -e "--evaluate-every never" <<<"$asked"
 check "the program decides on it" grep -q -e "--resume=auto --overwrite --preset fast" <<<"$asked"
 begin_with "hours of work"
 for code in 1 2 75 130 137; do

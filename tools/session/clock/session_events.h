@@ -55,13 +55,17 @@ class CheckpointPlan {
   double saved_ = 0, seconds_ = 0;  // when it was written, and for how long
 };
 
-/// The steps after which the model is scored on held-out views before the end.
+/// Of `evaluate_every`: what comes after the training scores its model.
+constexpr int64_t kNeverEvaluate = -1;
+
+/// The steps after which the model is scored on held-out views.
 class EvaluationPlan {
  public:
-  /// `every`: steps between two; 0: none.
+  /// `every`: steps between two; 0: at the end alone; kNeverEvaluate.
   explicit EvaluationPlan(int64_t every) : every_(every) {}
 
   bool due(int64_t step) const { return every_ > 0 && step % every_ == 0; }
+  bool at_end() const { return every_ != kNeverEvaluate; }
   /// The first step after `step`; the largest number where there is none.
   int64_t next_after(int64_t step) const {
     return every_ > 0 ? (step / every_ + 1) * every_ : std::numeric_limits<int64_t>::max();
