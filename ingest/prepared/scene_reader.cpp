@@ -90,6 +90,13 @@ Scene load_scene(const std::filesystem::path& folder, const SceneOptions& option
   return SceneFiles(folder, options.allow_static, options.window).load(options);
 }
 
+Scene scene_without_pixels(const std::filesystem::path& folder, bool allow_static,
+                           const std::optional<Window>& window) {
+  SceneOptions options;
+  options.load_pixels = false;
+  return SceneFiles(folder, allow_static, window).load(options);
+}
+
 bool opens_as_scene(const std::filesystem::path& folder) {
   if (!has_transforms(folder)) return false;
   if (is_prepared_scene(folder)) return true;

@@ -16,7 +16,7 @@ namespace tessera {
 struct SceneOptions {
   std::array<uint8_t, 3> background{0, 0, 0};  // RGBA frames are composited on it, once, here
   bool allow_static = false;                   // accept times that are all equal as one timestep
-  bool load_pixels = true;                     // false: cameras, times, sizes and points only
+  bool load_pixels = true;                     // false: as scene_without_pixels
   // Pixels of these splits only, and of the other frames of their cameras that stand still, whose
   // medians over time tell what moves.
   std::optional<std::vector<Split>> pixels_of = {};
@@ -53,6 +53,9 @@ class SceneFiles {
 /// stated, NaN in a pose, singular pose, times all equal (unless allowed), no training frames, a
 /// window of a scene of one timestep or of more windows than its timesteps make.
 Scene load_scene(const std::filesystem::path& folder, const SceneOptions& options);
+/// Cameras, times, sizes, masks and points alone: no frame has pixels.
+Scene scene_without_pixels(const std::filesystem::path& folder, bool allow_static,
+                           const std::optional<Window>& window = {});
 
 /// True when load_scene can read `folder` as it is: a prepared scene, or transforms files that list
 /// PNGs without lens distortion.

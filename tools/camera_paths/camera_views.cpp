@@ -36,10 +36,7 @@ Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_
 }
 
 std::vector<NamedView> views_of_scene(const CameraChoice& choice, const GaussianModel& model) {
-  SceneOptions options;
-  options.allow_static = true;
-  options.load_pixels = false;
-  const Scene scene = load_scene(choice.cameras, options);
+  const Scene scene = scene_without_pixels(choice.cameras, true);
   std::vector<NamedView> views;
   for (const Frame& frame : scene.frames) {
     if (!choice.split.empty() && frame.split != parse_split(choice.split)) continue;

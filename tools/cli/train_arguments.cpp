@@ -64,10 +64,9 @@ TrainOptions layered_options(const TrainArguments& arguments, const SceneFacts& 
 
 /// Makes the number of EvaluationPlan of `text`; returns what is wrong with it.
 std::string evaluation_steps(std::string& text) {
-  const bool is_number = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
   if (text == kNever)
     text = fmt::format("{}", kNeverEvaluate);
-  else if (!is_number)
+  else if (text.empty() || text.find_first_not_of("0123456789") != std::string::npos)
     return fmt::format("'{}' is no number of steps, nor {}", text, kNever);
   return "";
 }
@@ -121,11 +120,8 @@ PlannedOptions resolve_options(const TrainArguments& arguments, SceneFacts facts
 
 PlannedOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene,
                                const std::optional<Window>& window) {
-  SceneOptions options;
-  options.window = window;
-  options.allow_static = layered_options(arguments, {}).motion == Motion::kNone;
-  options.load_pixels = false;
-  return resolve_options(arguments, facts_of(load_scene(scene, options)));
+  const bool is_still = layered_options(arguments, {}).motion == Motion::kNone;
+  return resolve_options(arguments, facts_of(scene_without_pixels(scene, is_still, window)));
 }
 
 }  // namespace tessera

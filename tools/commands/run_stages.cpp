@@ -36,7 +36,6 @@
 #include "tools/live/stopped_training.h"
 #include "tools/live/view_child.h"
 #include "tools/report/write_run_report.h"
-#include "tools/session/device_choice.h"
 #include "tools/session/held_out_scores.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
@@ -132,7 +131,7 @@ class Runner {
     result["out"] = request_.out.string();
     result["stage_seconds"] = seconds_;
     result["total_seconds"] = seconds_since(begin_);
-    result["camera_path"] = camera_path_of(load_scene(scene_, scene_options()));
+    result["camera_path"] = camera_path_of(scene_without_pixels(scene_, true));
     return result;
   }
 
@@ -176,14 +175,6 @@ class Runner {
     ledger_ = StageLedger(root_ / "stages.json");
   }
 
-  /// Of the cameras alone.
-  SceneOptions scene_options() const {
-    SceneOptions options;
-    options.allow_static = planned_.options.motion == Motion::kNone;
-    options.load_pixels = false;
-    return options;
-  }
-
   bool ingest() {
     IngestOptions options = ingest_options_;
     options.allow_static = planned_.options.motion == Motion::kNone;
@@ -218,8 +209,7 @@ class Runner {
   }
 
   void choose_windows_of_scene() {
-    const WindowChoice choice = choose_windows(
-        parse_windows(request_.windows), load_scene(scene_, scene_options()), machine_memory());
+    const WindowChoice choice = choose_windows(request_.windows, scene_);
     if (!choice.reason.empty()) say(choice.reason);
     windows_ = choice.count;
   }
@@ -263,19 +253,23 @@ class Runner {
                                   inputs, request_.overwrite);
     check_finished(plan);
     const json made_for = json::parse(run_.made_for(), nullptr, false);
-    resumes_ = plan.action == RunAction::kResume && made_for.is_object() &&
-               changes(made_for, inputs).empty();
-    if (!resumes_ && plan.action != RunAction::kDone && fs::exists(run_.checkpoint()))
+    const bool resumes = plan.action == RunAction::kResume && made_for.is_object() &&
+                         changes(made_for, inputs).empty();
+    if (!resumes && plan.action != RunAction::kDone && fs::exists(run_.checkpoint()))
       set_checkpoint_aside(plan.changed);
     if (plan.action != RunAction::kDone) set_windows_aside();
-    made_for_ = inputs.dump();
     return do_stage(kTrain, inputs, run_.model(), [&]() -> std::optional<json> {
       TrainingTerminal terminal;
       LiveTraining live(terminal, run_.root, [&] {
         if (request_.view && !view_)
           view_ = std::make_unique<ViewChild>(request_.out, repeated_command());
       });
-      TrainRequest asked = train_request();
+      TrainRequest asked;
+      asked.scene = scene_;
+      asked.run = run_.root;
+      take_arguments(request_.training, planned_, scene_key_, asked);
+      asked.resume = resumes;
+      asked.overwrite = true;
       asked.snapshots = &live;
       json result = train_or_restart(std::move(asked), live);
       if (interrupted() || live.stopped()) return {};
@@ -301,51 +295,29 @@ class Runner {
         plan.string()));
   }
 
-  TrainRequest train_request() const {
-    TrainRequest train;
-    train.scene = scene_;
-    train.run = run_.root;
-    train.options = planned_.options;
-    train.with_nodes = planned_.with_nodes;
-    train.preset = request_.training.preset;
-    train.ablation = request_.training.ablation;
-    train.backend = request_.training.backend;
-    train.evaluate_every = request_.training.evaluate_every;
-    train.checkpoint_every = request_.training.checkpoint_every;
-    train.made_for = made_for_;
-    train.resume = resumes_;
-    train.overwrite = true;
-    train.shipped_bytes = shipped_bytes_of(run_.root.string());
-    return train;
-  }
-
   bool evaluate_model() {
-    if (windows_ > 1) return evaluate_windows();
     return do_stage(kEvaluate, of_training({}), run_.metrics(), [&] {
-      const GaussianModel model = load_model(run_.model());
-      const Scene scene = scaled_scene(
-          scene_for(model, run_.root, scene_, {.pixels_of = kHeldOutSplits}), model.train_scale);
       const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
-      ProgressBar bar("evaluate");
-      const json scores = score_splits(
-          *backend, model, scene, held_out_splits(scene), int64_t(fs::file_size(run_.model())),
-          [&](const Frame&, const RenderedImage&, const ViewScore& view, int64_t done,
-              int64_t total) {
-            stop_if_interrupted();
-            bar.update(done, total, fmt::format("{:.2f} dB", view.psnr));
-          });
+      const json scores = windows_ > 1
+                              ? score_windows(*backend, WindowsFolder{run_.root}, kHeldOutSplits)
+                              : scores_of_model(*backend);
       write_text_file(run_.metrics(), scores.dump(2));
       return std::optional(scores);
     });
   }
 
-  bool evaluate_windows() {
-    return do_stage(kEvaluate, of_training({}), run_.metrics(), [&] {
-      const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
-      const json scores = score_windows(*backend, WindowsFolder{run_.root}, kHeldOutSplits);
-      write_text_file(run_.metrics(), scores.dump(2));
-      return std::optional(scores);
-    });
+  json scores_of_model(Backend& backend) const {
+    const GaussianModel model = load_model(run_.model());
+    const Scene scene = scaled_scene(
+        scene_for(model, run_.root, scene_, {.pixels_of = kHeldOutSplits}), model.train_scale);
+    ProgressBar bar("evaluate");
+    return score_splits(backend, model, scene, held_out_splits(scene),
+                        int64_t(fs::file_size(run_.model())),
+                        [&](const Frame&, const RenderedImage&, const ViewScore& view, int64_t done,
+                            int64_t total) {
+                          stop_if_interrupted();
+                          bar.update(done, total, fmt::format("{:.2f} dB", view.psnr));
+                        });
   }
 
   /// Inputs of a stage that is made of the model.
@@ -418,13 +390,11 @@ class Runner {
     return runs;
   }
 
-  fs::path report_file() const { return root_ / "report" / "report.json"; }
-
   /// A report that cannot be written is no reason to fail after hours of training.
   bool write_report() {
     const json inputs = of_training({{"export_frames", request_.export_frames}});
     try {
-      return do_stage(kReport, inputs, report_file(), [&] {
+      return do_stage(kReport, inputs, root_ / "report" / "report.json", [&] {
         return std::optional(json{
             {"page",
              write_run_report({reported_runs(), windows_ > 1 ? root_ / "report" : fs::path(),
@@ -445,8 +415,7 @@ class Runner {
   RunFolder run_;
   StageLedger ledger_;
   fs::path scene_;
-  std::string scene_key_, made_for_;
-  bool resumes_ = false;
+  std::string scene_key_;
   int64_t windows_ = 1;  // of the clip
   const Clock::time_point begin_ = Clock::now();
   std::map<std::string, double> seconds_;  // by the names of the stages that ran

@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/model/checkpoint.h"
@@ -30,7 +29,6 @@
 #include "tools/live/stopped_training.h"
 #include "tools/live/view_child.h"
 #include "tools/session/clock/time_limit.h"
-#include "tools/session/device_choice.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
@@ -183,14 +181,8 @@ struct Parsed {
 
 /// --windows of more than one: the exit code; nothing where the clip is trained as a whole.
 std::optional<int> train_in_windows(const Parsed& parsed) {
-  const WindowWish wish = parse_windows(parsed.windows);
   const TrainRequest& request = parsed.request;
-  if (wish.kind == WindowWish::Kind::kNone) return std::nullopt;
-  SceneOptions options;
-  options.load_pixels = false;
-  options.allow_static = true;
-  const WindowChoice choice =
-      choose_windows(wish, load_scene(request.scene, options), machine_memory());
+  const WindowChoice choice = choose_windows(parsed.windows, request.scene);
   if (choice.count <= 1) {
     if (!choice.reason.empty()) say(choice.reason);
     return std::nullopt;
@@ -301,21 +293,9 @@ void add_train_command(CLI::App& app, Work& work) {
               run.window() ? "with window " + text_of(*run.window()) : "with the whole scene"));
         request.window = run.window();
         request.static_model = run.static_model();
-        request.made_for = run.made_for();
-      } else {
-        nlohmann::json asked =
-            asked_of_training(arguments, planned, request.window, request.static_model);
-        asked[kSceneFiles] = key_of(file_stamps(request.scene));
-        request.made_for = asked.dump();
       }
-      request.options = std::move(planned.options);
-      request.with_nodes = std::move(planned.with_nodes);
-      request.preset = arguments.preset;
-      request.ablation = arguments.ablation;
-      request.backend = arguments.backend;
-      request.evaluate_every = arguments.evaluate_every;
-      request.checkpoint_every = arguments.checkpoint_every;
-      request.shipped_bytes = shipped_bytes_of(request.run.string());
+      take_arguments(arguments, std::move(planned), key_of(file_stamps(request.scene)), request);
+      if (request.resume) request.made_for = RunFolder{request.run}.made_for();
       if (parsed->stop_after > 0) request.stop_after = parsed->stop_after;
       const bool more_steps =
           arguments.given.size() == 1 && arguments.given.count("iterations") > 0;

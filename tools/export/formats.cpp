@@ -107,10 +107,7 @@ json write_model(const ExportRequest& request, GaussianModel& model) {
 
 /// One static Gaussian without bands, in the source's world of a scene and on its clock.
 GaussianModel least_model(const std::string& path) {
-  SceneOptions options;
-  options.allow_static = true;
-  options.load_pixels = false;
-  const Scene scene = load_scene(path, options);
+  const Scene scene = scene_without_pixels(path, true);
   GaussianModel model;
   model.static_set = GaussianSet(SetForm::kStatic, 1);
   model.static_set.resize(1);

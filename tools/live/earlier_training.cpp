@@ -5,6 +5,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "recon4d/options/train_options_json.h"
+#include "tools/export/formats.h"
 #include "tools/live/stopped_training.h"
 #include "tools/session/static_model.h"
 
@@ -29,6 +30,21 @@ json asked_of_training(const TrainArguments& arguments, const PlannedOptions& pl
           {"options", std::move(options)},
           {kWindow, window ? text_of(*window) : kWholeClip},
           {kStaticModel, static_model.empty() ? kItsOwn : static_model_digest(static_model)}};
+}
+
+void take_arguments(const TrainArguments& arguments, PlannedOptions planned,
+                    const std::string& files, TrainRequest& request) {
+  json asked = asked_of_training(arguments, planned, request.window, request.static_model);
+  asked[kSceneFiles] = files;
+  request.made_for = asked.dump();
+  request.options = std::move(planned.options);
+  request.with_nodes = std::move(planned.with_nodes);
+  request.preset = arguments.preset;
+  request.ablation = arguments.ablation;
+  request.backend = arguments.backend;
+  request.evaluate_every = arguments.evaluate_every;
+  request.checkpoint_every = arguments.checkpoint_every;
+  request.shipped_bytes = shipped_bytes_of(request.run.string());
 }
 
 json recorded_result(const RunFolder& run) {

@@ -11,6 +11,7 @@
 #include "tools/cli/run_record.h"
 #include "tools/cli/train_arguments.h"
 #include "tools/session/run_folder.h"
+#include "tools/session/train_session.h"
 
 namespace tessera {
 
@@ -20,6 +21,11 @@ nlohmann::json asked_of_training(const TrainArguments& arguments, const PlannedO
                                  const std::optional<Window>& window = {},
                                  const std::filesystem::path& static_model = {});
 inline constexpr const char* kSceneFiles = "files of the scene";
+
+/// Gives a request of a scene, a run, a window and a static model what the command line says of its
+/// training. `files`: the content of the scene, for kSceneFiles.
+void take_arguments(const TrainArguments& arguments, PlannedOptions planned,
+                    const std::string& files, TrainRequest& request);
 
 /// Its request is that of config.json. Of a training by a version that did not record it, preset,
 /// ablation and options, where it was of this scene; null where it was of another.

@@ -136,13 +136,15 @@ std::string presets_page() {
       if (is_last) text += fmt::format("- `--{}` {}\n", dashed(key), code(plain_text(value)));
     }
   };
+  const auto section = [&](const char* title, const auto& overrides) {
+    if (overrides.empty()) return;
+    text += fmt::format("\n{}:\n\n", title);
+    list(overrides);
+  };
   for (const Preset& preset : presets()) {
     text += fmt::format("## {}\n\n", preset.name);
     list(preset.overrides);
-    if (!preset.still_overrides.empty()) {
-      text += "\nFor a scene with one timestep:\n\n";
-      list(preset.still_overrides);
-    }
+    section("For a scene with one timestep", preset.still_overrides);
     if (preset.fits_to_views)
       text += fmt::format(
           "\nAnd at most {} steps for each training image; with less than {} of them "
@@ -160,14 +162,8 @@ std::string presets_page() {
       if (rates.mean_time_rate > 0)
         text += fmt::format("- `--lr-mean-time` {:g} frames\n", rates.mean_time_rate);
     }
-    if (!preset.single_view_overrides.empty()) {
-      text += "\nWith one view a timestep:\n\n";
-      list(preset.single_view_overrides);
-    }
-    if (!preset.node_overrides.empty()) {
-      text += "\nWhere motion nodes carry the scene:\n\n";
-      list(preset.node_overrides);
-    }
+    section("With one view a timestep", preset.single_view_overrides);
+    section("Where motion nodes carry the scene", preset.node_overrides);
     if (preset.fits_to_cameras)
       text += fmt::format(
           "\nFor N training cameras that film at once: during growth at most one Gaussian per {}/N "

@@ -164,8 +164,8 @@ std::vector<ScoredView> scored_views(const json& metrics) {
 void add_last_score(const json& metrics, const json& end, RunCurves& curves) {
   const std::optional<double> psnr = number_at(metrics, "psnr"),
                               step = number_at(end, "iterations");
-  if (!psnr || !step || text_at(metrics, "split") == "train" || !curves.psnr_validation.empty())
-    return;
+  const bool is_last = text_at(metrics, "split") != "train" && curves.psnr_validation.empty();
+  if (!psnr || !step || !is_last) return;
   if (curves.psnr_test.empty() || double(curves.psnr_test.back().step) < *step)
     curves.psnr_test.push_back({int64_t(*step), number_at(end, "seconds").value_or(0), *psnr});
 }

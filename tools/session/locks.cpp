@@ -75,12 +75,10 @@ std::string holders_of(int descriptor) {
   return fmt::format("process {} on {}", fmt::join(processes, ", "), host_name());
 }
 
-/// Returns 0 or errno. A lock that is_run_locked of another program holds for a moment is waited
-/// for.
+/// Returns 0 or errno. What is_run_locked of another program holds is waited for, up to 0.2 s.
 int lock_for_itself(int descriptor) {
-  constexpr int kTries = 20;
-  for (int tries = 1; ::flock(descriptor, LOCK_EX | LOCK_NB) != 0; ++tries) {
-    if (errno != EWOULDBLOCK || tries == kTries) return errno;
+  for (int tries = 20; ::flock(descriptor, LOCK_EX | LOCK_NB) != 0; --tries) {
+    if (errno != EWOULDBLOCK || tries == 0) return errno;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return 0;

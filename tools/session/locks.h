@@ -1,6 +1,6 @@
 // Locks of folders. A run folder is written by one training at a time. A prepared scene may be read
 // by many programs, and is replaced only while no other program uses it. A lock that another
-// program has is an error; only one that is held for a moment, to ask for it, is waited for.
+// program has is an error; one that it holds only to ask for it is waited for.
 #pragma once
 #include <filesystem>
 

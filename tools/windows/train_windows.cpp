@@ -17,7 +17,6 @@
 #include "tools/cli/run_record.h"
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/export/formats.h"
 #include "tools/live/earlier_training.h"
 #include "tools/live/stopped_training.h"
 #include "tools/session/locks.h"
@@ -33,12 +32,6 @@ using nlohmann::json;
 
 constexpr std::chrono::seconds kBetweenLooks{1};
 constexpr const char* kTwoWays = "take another -o, or replace it by --overwrite";
-
-Scene listed_scene(const fs::path& path) {
-  SceneOptions options;
-  options.load_pixels = false;
-  return load_scene(path, options);
-}
 
 class WindowsTraining {
  public:
@@ -158,7 +151,7 @@ class WindowsTraining {
   void make_plan() {
     give_way();
     if (!request_.reason.empty()) say(request_.reason);
-    const Scene scene = listed_scene(request_.scene);
+    const Scene scene = scene_without_pixels(request_.scene, false);
     plan_.scene = fs::absolute(request_.scene).string();
     plan_.clip = scene.time_axis;
     plan_.windows = cut_clip(scene, request_.count, plan_.overlap);
@@ -191,24 +184,15 @@ class WindowsTraining {
 
   TrainRequest request_of(const fs::path& scene, const fs::path& run,
                           const std::optional<Window>& window, const std::string& files) {
-    PlannedOptions planned = resolve_options(request_.arguments, scene, window);
     TrainRequest training;
     training.scene = scene;
     training.run = run;
     training.window = window;
     if (window) training.static_model = folder_.static_run();
-    json asked = asked_of_training(request_.arguments, planned, window, training.static_model);
-    asked[kSceneFiles] = files;
-    training.made_for = asked.dump();
-    training.options = std::move(planned.options);
-    training.preset = request_.arguments.preset;
-    training.ablation = request_.arguments.ablation;
-    training.backend = request_.arguments.backend;
-    training.checkpoint_every = request_.arguments.checkpoint_every;
-    training.evaluate_every = request_.arguments.evaluate_every;
+    take_arguments(request_.arguments, resolve_options(request_.arguments, scene, window), files,
+                   training);
     training.time_limit = request_.time_limit;
     training.stopwatch = request_.stopwatch;
-    training.shipped_bytes = shipped_bytes_of(run.string());
     training.overwrite = true;  // of a run that has not ended
     return training;
   }
@@ -277,10 +261,9 @@ class WindowsTraining {
     json parts = json::array();
     json all = {{"windows", request_.count}, {"folder", folder_.root.string()}, {"left", left}};
     int64_t dynamic = 0, most = 0, bytes = 0;
-    double seconds = 0;
     json fixed = last_result(RunFolder{folder_.static_run()});
     const int64_t statics = fixed.is_object() ? fixed.value("num_static", int64_t{0}) : 0;
-    if (fixed.is_object()) seconds += fixed.value("seconds", 0.0);
+    double seconds = fixed.is_object() ? fixed.value("seconds", 0.0) : 0;
     for (int64_t i = 0; i < int64_t(plan_.windows.size()); ++i) {
       json part = last_result(RunFolder{folder_.window_run(i)});
       if (part.is_object()) {

@@ -9,9 +9,11 @@
 
 #include "ingest/clocks/windows.h"
 #include "ingest/ingest.h"
+#include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/options/forecast.h"
 #include "tools/session/clock/time_limit.h"
+#include "tools/session/device_choice.h"
 
 namespace tessera {
 namespace {
@@ -104,6 +106,12 @@ WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t 
           fmt::format("windows: {:.1f} s are cut into {} windows of {:.1f} s; each holds "
                       "{:.2f} GB of images",
                       seconds, count, seconds / double(count), double(bytes_of(count)) / 1e9)};
+}
+
+WindowChoice choose_windows(const std::string& windows, const std::filesystem::path& scene) {
+  const WindowWish wish = parse_windows(windows);
+  if (wish.kind == WindowWish::Kind::kNone) return {};
+  return choose_windows(wish, scene_without_pixels(scene, true), machine_memory());
 }
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 // How many windows a clip is cut into: --windows.
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,9 @@ struct WindowChoice {
 /// Errors: InputError: a length for a capture that cannot be cut, or that makes windows of less
 /// than a few timesteps.
 WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t memory);
+
+/// The same of --windows and the scene in that folder, for this machine; `none` reads nothing.
+WindowChoice choose_windows(const std::string& windows, const std::filesystem::path& scene);
 
 /// Of all splits together, by the numbers of their frames.
 int64_t timesteps_of(const Scene& scene);

@@ -12,8 +12,7 @@
 namespace tessera::testing {
 namespace {
 
-// Bug put back: the lock is tried once, and a program that asks holds it at that moment; seen to
-// fail.
+// Bug put back: the lock is tried once, while a program that asks may hold it; seen to fail.
 TEST(Locks, AreTakenBesideProgramsThatAskForThem) {
   const ScratchFolder scratch;
   SessionObserver silent;
