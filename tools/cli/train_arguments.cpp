@@ -87,8 +87,7 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
   command.add_option("--threads", arguments.threads, "CPU threads; 0: all")->capture_default_str();
   command
       .add_option("--evaluate-every", arguments.evaluate_every,
-                  "steps between two scores of the test views; 0: at the end only; never, as `run` "
-                  "has it: `evaluate` scores them")
+                  "steps between scores of test views; 0: at the end; never: as in `run`")
       ->transform(CLI::Validator(&evaluation_steps, ""));
   command
       .add_option("--checkpoint-every", arguments.checkpoint_every,

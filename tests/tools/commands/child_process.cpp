@@ -65,7 +65,7 @@ bool ChildProcess::running() {
 
 bool ChildProcess::wait_until(const std::function<bool()>& condition) {
   using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::seconds(20);
+  const auto end = Clock::now() + std::chrono::minutes(2);
   while (Clock::now() < end) {
     if (condition()) return true;
     if (!running()) return condition();

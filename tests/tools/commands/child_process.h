@@ -33,7 +33,7 @@ class ChildProcess {
 
   void send(int signal) const;
   bool running();
-  /// Polls until `condition` holds. False when the program ends or 20 s pass before.
+  /// Polls until `condition` holds. False when the program ends or two minutes pass before.
   bool wait_until(const std::function<bool()>& condition);
   ChildResult wait();
   /// What it has written to stdout and to stderr.

@@ -41,7 +41,7 @@ TEST_F(CliTimeLimit, StopsInTimeAndResumesToTheSameModel) {
   const ChildResult left = work.train("pieces", limited);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   ASSERT_EQ(left.exit_code, 75) << left.err;
-  EXPECT_LT(taken.count(), 3.5);  // half a second to begin and end a process on a busy machine
+  EXPECT_LT(taken.count(), 5);  // other tests may have the cores while it begins and ends
   EXPECT_NE(left.err.find("--resume goes on"), std::string::npos) << left.err;
   const int64_t first = steps("pieces");
   EXPECT_GT(first, 0);

@@ -159,7 +159,7 @@ TEST_F(ViewSocket, EndsAtOnce) {
   half.send("GET / HTTP/1.1\r\n");
   const auto begin = Clock::now();
   server.reset();
-  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(2));
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(10)) << "idle connections have 20 s";
   EXPECT_EQ(idle.read_all() + half.read_all(), "");
 }
 
