@@ -44,7 +44,7 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
 /// the number in the commit that brings it; a cut lowers it.
 inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13480}, {"ingest", 24400},
                                                          {"recon4d", 12380}, {"static3d", 5850},
-                                                         {"tools", 22250},   {"tests", 55500}};
+                                                         {"tools", 22600},   {"tests", 55700}};
 
 /// Where CUDA may be used; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",

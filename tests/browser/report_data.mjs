@@ -90,6 +90,21 @@ export function reportData(runs = [runData()]) {
           version: '1.4.0', made: '2026-11-24T09:45:00Z', runs};
 }
 
+/** A clip in windows, of which one is not done. */
+export function windowsData() {
+  const run = runData({title: 'one minute'});
+  run.curves = Object.fromEntries(Object.keys(run.curves).map((key) => [key, curve([], () => 0)]));
+  run.decisions = [];
+  run.windows = Array.from({length: 12}, (_, i) => ({
+    folder: `windows/${String(i).padStart(4, '0')}`, begin: 5 * i, end: 5 * i + 5,
+    state: i === 11 ? 'unfinished' : 'done', psnr: i === 11 ? null : 31 - ((i * 5) % 7),
+    psnr_dynamic: i === 2 ? null : 24 + i / 10, psnr_static: 33, dynamic: 12345 + i, steps: 7000,
+    seconds: i === 11 ? null : 81.2,
+  }));
+  run.borders = {inside: 1.5, border: 2.4, inside_moving: 25, border_moving: 26};
+  return reportData([run]);
+}
+
 /** Two runs; the views of the second are in another order, and one is missing. */
 export function comparisonData() {
   const second = runData({title: 'two', better: 1.2, options: {motion: 'pair', seed_points: 5}});

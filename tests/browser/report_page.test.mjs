@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 
 import {kNarrow, kWide, onPage} from './report_browser.mjs';
-import {comparisonData, imageAddress, reportData, runData} from './report_data.mjs';
+import {comparisonData, imageAddress, reportData, runData, windowsData} from './report_data.mjs';
 
 async function boxOf(locator) {
   await locator.scrollIntoViewIfNeeded();
@@ -30,7 +30,9 @@ function dividerPercent(page) {
 
 // Bug put back: columns of charts that are never narrower than 28rem, and no style of narrow windows,
 // so that tables stay tables; each seen to fail at 390 pixels.
-for (const [kind, data] of [['run', reportData()], ['comparison', comparisonData()]])
+const kPages = [['run', reportData(), 4], ['comparison', comparisonData(), 4],
+                ['windows', windowsData(), 0]];
+for (const [kind, data, charts] of kPages)
   for (const colorScheme of ['light', 'dark'])
     for (const viewport of [kWide, kNarrow])
       test(`${kind}, ${colorScheme}, fits a window of ${viewport.width} pixels`, async () => {
@@ -40,7 +42,7 @@ for (const [kind, data] of [['run', reportData()], ['comparison', comparisonData
           });
           const width = await page.evaluate(() => document.documentElement.scrollWidth);
           assert.equal(width, viewport.width);
-          assert.equal(await page.locator('.chart canvas').count(), 4);
+          assert.equal(await page.locator('.chart canvas').count(), charts);
           assert.equal(await page.evaluate(
               () => [...document.images].filter((i) => i.complete && i.naturalWidth === 0 &&
                                                        i.hasAttribute('src')).length), 0);
@@ -251,6 +253,23 @@ test('the table of views is sorted by keys', async () => {
     await table.getByRole('button', {name: 'moving'}).focus();
     await page.keyboard.press('Space');
     assert.ok((await column(5)).slice(-2).every(Number.isNaN)); // unknown values come last
+  });
+});
+
+// Bugs put back: a window without a score is the lowest; the ratio of the borders turned round; each
+// seen to fail.
+test('a clip in windows shows its lowest one, its borders, and all of them in a table', async () => {
+  await onPage(windowsData(), kWide, async (page) => {
+    const tile = (name) => page.locator('.scores div', {hasText: name}).locator('dd')
+        .allTextContents();
+    assert.deepEqual(await tile('Lowest window'), ['25.00 dB', 'number 5, 20.0 to 25.0 s']);
+    assert.deepEqual(await tile('Borders'),
+                     ['1.60 ×', 'moving pixels 1.04 ×; temporal error by that inside windows']);
+    await page.locator('summary', {hasText: '12 windows'}).click();
+    const table = page.getByRole('table', {name: 'windows'});
+    await table.getByRole('button', {name: 'PSNR'}).click();
+    assert.equal(await table.locator('tbody td').first().textContent(), '5');
+    assert.equal(await table.locator('tbody tr').count(), 12);
   });
 });
 

@@ -67,10 +67,11 @@ class RunReader {
       if (json page = record(exports / (std::string(format) + ".json")); !page.is_null())
         jobs.page = std::move(page), jobs.player = exports / format / "index.html";
     jobs.file = record(exports / "tessera.json");
-    RunRecords records{record(folder / "config.json"), jobs.metrics, ledger_of(jobs), "",
-                       jobs.trained};
-    if (fs::exists(run.folder / "log.jsonl"))
-      records.log = read_text_file(run.folder / "log.jsonl");
+    RunRecords records = read_records(run.folder);
+    if (records.windows.empty()) records.config = record(folder / "config.json");
+    records.metrics = jobs.metrics;
+    records.stages = ledger_of(jobs);
+    records.trained = jobs.trained;
     json report = run_report(records);
     if (!records.stages.contains("train")) report["seconds"]["command"] = nullptr;
     if (const auto seconds = number_at(jobs.trained, "seconds"))
@@ -101,7 +102,8 @@ class RunReader {
     report["error"] = run.error.empty() ? json() : json(run.error);
     report["folder"] = folder.generic_string();
     report["image_note"] = nullptr;
-    report["size"]["model_bytes"] = or_null(number_at(jobs.metrics, "bytes"));
+    if (!report.contains("windows"))  // which have a model each
+      report["size"]["model_bytes"] = or_null(number_at(jobs.metrics, "bytes"));
     report["size"]["shipped_bytes"] = or_null(number_at(jobs.file, "bytes"));
     report["size"]["player_bytes"] = or_null(number_at(jobs.page, "bytes"));
     if (const auto peak = number_at(jobs.trained, "peak_device_bytes"))

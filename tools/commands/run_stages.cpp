@@ -382,23 +382,15 @@ class Runner {
     return written;
   }
 
-  /// The runs that the report shows: of a clip in windows each of them.
-  std::vector<fs::path> reported_runs() const {
-    if (windows_ <= 1) return {root_};
-    std::vector<fs::path> runs;
-    for (int64_t i = 0; i < windows_; ++i) runs.push_back(WindowsFolder{run_.root}.window_run(i));
-    return runs;
-  }
-
   /// A report that cannot be written is no reason to fail after hours of training.
   bool write_report() {
     const json inputs = of_training({{"export_frames", request_.export_frames}});
     try {
       return do_stage(kReport, inputs, root_ / "report" / "report.json", [&] {
-        return std::optional(json{
-            {"page",
-             write_run_report({reported_runs(), windows_ > 1 ? root_ / "report" : fs::path(),
-                               [&] { return make_backend(request_.training.backend); }})["page"]}});
+        return std::optional(json{{"page", write_run_report({{root_}, {}, [&] {
+                                                               return make_backend(
+                                                                   request_.training.backend);
+                                                             }})["page"]}});
       });
     } catch (const InputError& error) {
       warn(kReport.message(fmt::format(": not written: {}", error.what())));

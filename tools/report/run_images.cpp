@@ -1,4 +1,4 @@
-// Renders each chosen view once, and colours its error before compression.
+// Draws each chosen view once, and colours its error before compression.
 #include "tools/report/run_images.h"
 
 #include <fmt/format.h>
@@ -15,8 +15,6 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
 #include "kernels/base/errors.h"
-#include "recon4d/evaluation/metrics.h"
-#include "recon4d/evaluation/render.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/video/video_encoder.h"
 
@@ -36,16 +34,27 @@ struct Triple {
 
 class ImageMaker {
  public:
-  ImageMaker(Backend& backend, const GaussianModel& model, const Scene& scene,
-             const std::vector<ScoredView>& views, const fs::path& scratch)
-      : renderer_(backend, model), views_(views), scratch_(scratch / ".view.png") {
-    for (const Frame& frame : scene.frames) frames_[frame.name] = &frame;
+  ImageMaker(const ViewSource& source, const std::vector<ScoredView>& views,
+             const fs::path& scratch)
+      : source_(source), views_(views), scratch_(scratch / ".view.png") {}
+
+  /// Those that are not drawn yet, ascending in time: of a clip in windows one after the other.
+  void draw(std::vector<size_t> wanted) {
+    std::stable_sort(wanted.begin(), wanted.end(),
+                     [&](size_t a, size_t b) { return views_[a].time < views_[b].time; });
+    for (const size_t view : wanted) {
+      if (triples_.contains(view)) continue;
+      std::optional<RenderedView> drawn = source_(views_[view]);
+      if (!drawn) continue;
+      Image8 error = error_map(drawn->result, drawn->truth, drawn->mask);
+      triples_[view] = {std::move(drawn->truth), std::move(drawn->result), std::move(error)};
+    }
   }
 
-  bool has(size_t view) const { return frames_.contains(views_[view].name); }
+  bool has(size_t view) const { return triples_.contains(view); }
 
   ShownView shown(size_t view, int width) {
-    const Triple& images = triple(view);
+    const Triple& images = triples_.at(view);
     ShownView shown;
     shown.view = view;
     shown.truth = encoded(images.truth, width, shown);
@@ -55,16 +64,6 @@ class ImageMaker {
   }
 
  private:
-  const Triple& triple(size_t view) {
-    const auto known = triples_.find(view);
-    if (known != triples_.end()) return known->second;
-    const Frame& frame = *frames_.at(views_[view].name);
-    const RenderedImage image = renderer_.render({{frame.camera, frame.time}}).front();
-    Triple made{frame.image, quantise(image.planar(), image.width, image.height), {}};
-    made.error = error_map(made.result, made.truth, frame.mask.image());
-    return triples_.emplace(view, std::move(made)).first->second;
-  }
-
   EncodedImage encoded(const Image8& image, int width, ShownView& shown) {
     Image8 small = narrowed_image(image, width);
     shown.width = small.width;
@@ -77,10 +76,9 @@ class ImageMaker {
     return png;
   }
 
-  Renderer renderer_;
+  const ViewSource& source_;
   const std::vector<ScoredView>& views_;
   const fs::path scratch_;
-  std::map<std::string, const Frame*> frames_;
   std::map<size_t, Triple> triples_;
 };
 
@@ -91,9 +89,9 @@ size_t bytes_of(const std::vector<ShownView>& views) {
   return bytes;
 }
 
-std::vector<ShownView> telling(ImageMaker& maker, const std::vector<ScoredView>& all, int width) {
+std::vector<ShownView> telling(ImageMaker& maker, const std::vector<ChosenView>& all, int width) {
   std::vector<ShownView> views;
-  for (const ChosenView& chosen : telling_views(all)) {
+  for (const ChosenView& chosen : all) {
     if (!maker.has(chosen.view)) continue;
     views.push_back(maker.shown(chosen.view, width));
     views.back().role = chosen.role;
@@ -119,6 +117,13 @@ std::vector<ShownView> over_time(ImageMaker& maker, const std::vector<CameraView
   return made;
 }
 
+std::vector<size_t> views_in(const std::vector<CameraViews>& strips) {
+  std::vector<size_t> views;
+  for (const CameraViews& camera : strips)
+    views.insert(views.end(), camera.views.begin(), camera.views.end());
+  return views;
+}
+
 using Colour = std::array<uint8_t, 3>;
 
 // at equal distances
@@ -138,20 +143,24 @@ Colour colour_of(double error) {
 
 }  // namespace
 
-std::vector<ShownView> run_images(Backend& backend, const GaussianModel& model, const Scene& scene,
-                                  const std::vector<ScoredView>& views, const fs::path& scratch) {
-  ImageMaker maker(backend, model, scene, views, scratch);
-  int width = kFullWidth;
-  std::vector<ShownView> shown = telling(maker, views, width);
-  for (; bytes_of(shown) > kFullBytes && width > kSmallestFullWidth;
-       shown = telling(maker, views, width))
-    width = int(0.75 * std::min(width, shown.front().width));
+std::vector<ShownView> run_images(const ViewSource& source, const std::vector<ScoredView>& views,
+                                  const fs::path& scratch) {
+  ImageMaker maker(source, views, scratch);
+  const std::vector<ChosenView> chosen = telling_views(views);
   const size_t cameras = std::max<size_t>(1, strip_views(views, 2).size());
   size_t most = std::clamp<size_t>(kAllStripFrames / cameras, 2, kStripFrames);
   std::vector<CameraViews> strips = strip_views(views, most);
-  std::vector<ShownView> small;
+  std::vector<size_t> wanted = views_in(strips);
+  for (const ChosenView& view : chosen) wanted.push_back(view.view);
+  maker.draw(std::move(wanted));
+  int width = kFullWidth;
+  std::vector<ShownView> shown = telling(maker, chosen, width), small;
+  for (; bytes_of(shown) > kFullBytes && width > kSmallestFullWidth;
+       shown = telling(maker, chosen, width))
+    width = int(0.75 * std::min(width, shown.front().width));
   while (true) {
     for (ShownView& view : shown) view.in_strip = false;
+    maker.draw(views_in(strips));
     small = over_time(maker, strips, shown);
     if (bytes_of(small) <= kStripBytes || strips.empty()) break;
     if (most > 2)

@@ -1,12 +1,12 @@
 // The images of a report: views of a model, the truth, and their error maps, encoded for a page.
 #pragma once
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "ingest/scene.h"
-#include "kernels/backend.h"
-#include "recon4d/model/gaussian_set.h"
 #include "tools/report/run_report.h"
 
 namespace tessera {
@@ -24,12 +24,18 @@ struct ShownView {
   int width = 0, height = 0;  // pixels, of each image
 };
 
-/// Renders the telling ones of `views`, large, and those over time of each camera, small; each
-/// once. `scene`: their frames with images, in the model's world and size; a view without a frame
-/// is left out. `scratch`: an existing folder for a temporary file. Stays within about 3.3 MB by
-/// smaller images and fewer frames. Errors: InputError or WriteError of the temporary file.
-std::vector<ShownView> run_images(Backend& backend, const GaussianModel& model, const Scene& scene,
-                                  const std::vector<ScoredView>& views,
+/// RGB images of one size, and the mask of the frame (0: left out), which may be empty.
+struct RenderedView {
+  Image8 truth, result, mask;
+};
+/// Nothing where there is no such view.
+using ViewSource = std::function<std::optional<RenderedView>(const ScoredView&)>;
+
+/// The telling ones of `views`, large, and those over time of each camera, small, each drawn once,
+/// ascending in time; a view that `source` does not have is left out. `scratch`: an existing folder
+/// for a temporary file. Stays within about 3.3 MB by smaller images and fewer frames. Errors: of
+/// the source; InputError or WriteError of the temporary file.
+std::vector<ShownView> run_images(const ViewSource& source, const std::vector<ScoredView>& views,
                                   const std::filesystem::path& scratch);
 
 /// Indices of `views` of one camera, ascending, at equal distances and with the first and last.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tools/report/log_events.h"
+#include "tools/report/windows_report.h"
 
 namespace tessera {
 namespace {
@@ -47,10 +48,12 @@ json starts_of(const std::vector<json>& events) {
 }
 
 /// The stages have the seconds of the last session alone.
-bool was_resumed(const std::vector<json>& events) {
-  return std::any_of(events.begin(), events.end(), [](const json& event) {
-    return text_at(event, "event") == "start" && count_at(event, "iteration") > 0;
-  });
+bool was_resumed(const RunRecords& records, const std::vector<json>& events) {
+  const json& trained = field_at(field_at(records.stages, "train"), "result");
+  return field_at(trained, "continued") == true ||
+         std::any_of(events.begin(), events.end(), [](const json& event) {
+           return text_at(event, "event") == "start" && count_at(event, "iteration") > 0;
+         });
 }
 
 void add_warning(const char* stage, const json& text, json& warnings) {
@@ -146,6 +149,25 @@ json counts_of(const RunRecords& records, const RunCurves& curves, const json& e
   return size;
 }
 
+/// Where the training has left the scores of its last model to `evaluate`.
+void add_last_score(const json& metrics, const json& end, RunCurves& curves) {
+  const std::optional<double> psnr = number_at(metrics, "psnr"),
+                              step = number_at(end, "iterations");
+  const bool is_last = text_at(metrics, "split") != "train" && curves.psnr_validation.empty();
+  if (!psnr || !step || !is_last) return;
+  if (curves.psnr_test.empty() || double(curves.psnr_test.back().step) < *step)
+    curves.psnr_test.push_back({int64_t(*step), number_at(end, "seconds").value_or(0), *psnr});
+}
+
+/// Of a clip in windows those of all.
+std::vector<json> all_events(const RunRecords& records) {
+  if (records.windows.empty()) return log_events(records.log);
+  std::vector<json> all;
+  for (const WindowRecords& window : records.windows)
+    for (json& event : log_events(window.log)) all.push_back(std::move(event));
+  return all;
+}
+
 }  // namespace
 
 std::vector<ScoredView> scored_views(const json& metrics) {
@@ -160,23 +182,17 @@ std::vector<ScoredView> scored_views(const json& metrics) {
   return found;
 }
 
-/// Where the training has left the scores of its last model to `evaluate`.
-void add_last_score(const json& metrics, const json& end, RunCurves& curves) {
-  const std::optional<double> psnr = number_at(metrics, "psnr"),
-                              step = number_at(end, "iterations");
-  const bool is_last = text_at(metrics, "split") != "train" && curves.psnr_validation.empty();
-  if (!psnr || !step || !is_last) return;
-  if (curves.psnr_test.empty() || double(curves.psnr_test.back().step) < *step)
-    curves.psnr_test.push_back({int64_t(*step), number_at(end, "seconds").value_or(0), *psnr});
-}
-
 json run_report(const RunRecords& records) {
-  const std::vector<json> events = log_events(records.log);
-  const bool is_done = !events.empty() && text_at(events.back(), "event") == "end";
+  const bool in_windows = !records.windows.empty();
+  const std::vector<json> events = log_events(records.log), all = all_events(records);
+  const bool is_done = !in_windows && !events.empty() && text_at(events.back(), "event") == "end";
   const json& end = is_done ? events.back() : records.trained;
   const json& ingest = field_at(field_at(records.stages, "ingest"), "result");
-  RunCurves curves = run_curves(events);
-  add_last_score(records.metrics, end, curves);
+  RunCurves curves;
+  if (!in_windows) {
+    curves = run_curves(events);
+    add_last_score(records.metrics, end, curves);
+  }
   json run = starts_of(events);
   run["preset"] = text_at(records.config, "preset");
   run["seed"] = field_at(records.config, "seed");
@@ -195,14 +211,15 @@ json run_report(const RunRecords& records) {
   run["stages"] = stages_of(records.stages, end);
   double command = 0;
   for (const json& stage : run["stages"]) command += stage["seconds"].get<double>();
-  run["seconds"] = {{"command", command > 0 && !was_resumed(events) ? json(command) : json()},
+  run["seconds"] = {{"command", command > 0 && !was_resumed(records, all) ? json(command) : json()},
                     {"training", or_null(number_at(end, "seconds"))}};
   run["curves"] = to_json(curves);
   run["views"] = views_of(records.metrics);
   const json& cameras = field_at(ingest, "camera_table");
   run["cameras"] = cameras.is_array() ? cameras : json::array();
-  run["decisions"] = decisions_of(events);
-  run["warnings"] = warnings_of(ingest, events);
+  run["decisions"] = in_windows ? json::array() : decisions_of(events);
+  run["warnings"] = warnings_of(ingest, all);
+  if (in_windows) add_windows(records, run);
   return run;
 }
 

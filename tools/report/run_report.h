@@ -8,15 +8,9 @@
 #include <string>
 #include <vector>
 
-namespace tessera {
+#include "tools/report/run_records.h"
 
-/// The files of a run; null or empty where there is none.
-struct RunRecords {
-  nlohmann::json config, metrics;  // RUN/config.json, RUN/metrics.json
-  nlohmann::json stages;           // OUT/stages.json of `tessera run`
-  std::string log;                 // RUN/log.jsonl
-  nlohmann::json trained{};        // what `tessera train --json` printed, for a run without a log
-};
+namespace tessera {
 
 struct ScoredView {
   std::string name, camera;
@@ -30,7 +24,7 @@ std::vector<ScoredView> scored_views(const nlohmann::json& metrics);
 
 /// The run as an entry of `runs` in report.json, schema 1 (docs/reference/report-json.md), but for
 /// what write_run_report adds: id, title, images, files and their bytes. What is not known is null
-/// or empty.
+/// or empty; of a clip in windows also curves and decisions, which are those of one training.
 nlohmann::json run_report(const RunRecords& records);
 
 }  // namespace tessera

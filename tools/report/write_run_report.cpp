@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -15,17 +14,14 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
-#include "recon4d/evaluation/evaluate.h"
-#include "recon4d/model/model_file.h"
-#include "recon4d/training/scene_scale.h"
-#include "tools/camera_paths/camera_views.h"
+#include "tools/report/rendered_views.h"
 #include "tools/report/report_page.h"
 #include "tools/report/run_images.h"
 #include "tools/report/run_report.h"
 #include "tools/session/device_choice.h"
-#include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/version.h"
+#include "tools/session/windows_folder.h"
 #include "tools/web/page_words.h"
 #include "tools/web/web_page.h"
 
@@ -37,13 +33,6 @@ using nlohmann::json;
 
 constexpr size_t kMostRunsInside = 3;  // whose images are in the page, of up to 5 MB each
 
-/// Null where the file is missing or damaged: a report contains what is there.
-json json_if_sound(const fs::path& file) {
-  if (!fs::is_regular_file(file)) return nullptr;
-  json content = json::parse(read_text_file(file), nullptr, false);
-  return content.is_discarded() ? json() : content;
-}
-
 /// Where the files of a run lie.
 struct RunPlaces {
   RunFolder run;
@@ -51,9 +40,10 @@ struct RunPlaces {
   fs::path whole;  // the one of both that contains the other
   std::string title;
 
-  explicit RunPlaces(const fs::path& named)
-      : run{run_folder_of(fs::absolute(named).lexically_normal() / "")} {
-    fs::path root = run.root;
+  explicit RunPlaces(const fs::path& named) {
+    const fs::path place = fs::absolute(named).lexically_normal() / "";
+    const WindowsFolder windows = windows_folder_of(place);
+    fs::path root = windows.exists() ? windows.root : run_folder_of(place);
     if (!root.has_filename()) root = root.parent_path();
     run.root = root;
     if (root.filename() == "run" && fs::exists(root.parent_path() / "stages.json"))
@@ -64,27 +54,6 @@ struct RunPlaces {
 
   fs::path stages() const { return out / "stages.json"; }
 };
-
-/// The model and its held-out frames (those of training where nothing is held out).
-struct RenderedRun {
-  GaussianModel model;
-  Scene scene;
-  std::unique_ptr<Backend> backend;
-};
-
-RenderedRun load_run(const RunPlaces& places, const RunReportRequest& request) {
-  if (!fs::exists(places.run.model()))
-    throw InputError("There is no model yet, so that no view can be rendered.");
-  GaussianModel model = load_model(places.run.model());
-  const std::string path = scene_of_model(places.run.root);
-  if (path.empty() || !fs::exists(path))
-    throw InputError("The scene of this run is gone, so that no view can be rendered.");
-  const SceneLock in_use(path, SceneLock::Use::kRead);
-  Scene scene = scaled_scene(
-      scene_for(model, places.run.root, path, {.held_out = std::numeric_limits<int64_t>::max()}),
-      model.train_scale);
-  return {std::move(model), std::move(scene), request.backend()};
-}
 
 /// {name, path relative to the report, bytes (null of a folder's)}; the first is the one to open.
 json files_of(const RunPlaces& places, const fs::path& report) {
@@ -98,6 +67,7 @@ json files_of(const RunPlaces& places, const fs::path& report) {
   };
   if (!places.out.empty()) add("Player", places.out / "player" / "index.html");
   add("Model", places.run.model());
+  add("Windows", WindowsFolder{places.run.root}.plan_file());
   add("Scores", places.run.metrics());
   add("Log", places.run.log());
   add("Options", places.run.config());
@@ -166,18 +136,13 @@ void write_images(const fs::path& folder, const std::vector<ReportedRun>& runs) 
 /// `report`: the folder that the files of the run are relative to.
 ReportedRun reported(const RunPlaces& places, const fs::path& report,
                      const RunReportRequest& request) {
-  RunRecords records{
-      json_if_sound(places.run.config()), json_if_sound(places.run.metrics()), {}, {}};
+  RunRecords records = read_records(places.run.root);
   if (!places.out.empty()) records.stages = json_if_sound(places.stages());
-  if (fs::exists(places.run.log())) records.log = read_text_file(places.run.log());
-  std::optional<RenderedRun> rendered;
+  std::optional<RenderedViews> views;
   json note;
   try {
-    rendered = load_run(places, request);
-    if (records.metrics.is_null() && !rendered->scene.frames.empty())
-      records.metrics = to_json(evaluate(*rendered->backend, rendered->model, rendered->scene,
-                                         rendered->scene.frames.front().split, EvaluateOptions{}),
-                                rendered->model);
+    views.emplace(places.run.root, request.backend);
+    if (records.metrics.is_null()) records.metrics = views->scores(request.score_windows);
   } catch (const InputError& error) {
     note = error.what();
   }
@@ -185,10 +150,11 @@ ReportedRun reported(const RunPlaces& places, const fs::path& report,
   made.run["id"] = made.run["title"] = places.title;
   made.run["image_note"] = note;
   made.run["files"] = files_of(places, report);
-  made.run["size"]["model_bytes"] = bytes_of(made.run["files"], "Model");
+  if (records.windows.empty())
+    made.run["size"]["model_bytes"] = bytes_of(made.run["files"], "Model");
   made.run["size"]["player_bytes"] = bytes_of(made.run["files"], "Player");
-  if (rendered)
-    made.images = run_images(*rendered->backend, rendered->model, rendered->scene,
+  if (views)
+    made.images = run_images([&](const ScoredView& view) { return views->view(view); },
                              scored_views(records.metrics), report);
   return made;
 }
@@ -206,7 +172,7 @@ void tell_apart(std::vector<ReportedRun>& runs, const std::vector<RunPlaces>& pl
 }  // namespace
 
 bool is_run(const fs::path& folder) {
-  return RunFolder{run_folder_of(folder)}.exists();
+  return windows_folder_of(folder).exists() || RunFolder{run_folder_of(folder)}.exists();
 }
 
 json write_run_report(const RunReportRequest& request) {

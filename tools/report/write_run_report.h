@@ -7,14 +7,17 @@
 #include <vector>
 
 #include "kernels/backend.h"
+#include "tools/report/rendered_views.h"
 
 namespace tessera {
 
 struct RunReportRequest {
-  std::vector<std::filesystem::path> runs;  // run folders, or the OUT of `tessera run`; one or more
-  std::filesystem::path out;                // of one run alone it may be empty: report/ in it
+  /// Run folders, folders of a clip in windows, or the OUT of `tessera run`; one or more.
+  std::vector<std::filesystem::path> runs;
+  std::filesystem::path out;  // of one run alone it may be empty: report/ in it
   /// Called where there is a model whose views can be rendered.
   std::function<std::unique_ptr<Backend>()> backend;
+  WindowsScorer score_windows{};  // called for a clip in windows without metrics.json
 };
 
 /// Whether the folder holds a run, as for `runs` of a request.

@@ -36,7 +36,9 @@ constexpr const char* kTwoWays = "take another -o, or replace it by --overwrite"
 class WindowsTraining {
  public:
   explicit WindowsTraining(const WindowsRequest& request)
-      : request_(request), folder_{request.root} {}
+      : request_(request),
+        folder_{request.root},
+        continues_(WindowsFolder::is_finished(folder_.static_run())) {}
 
   json run() {
     if (!prepare()) return result(true);
@@ -282,6 +284,7 @@ class WindowsTraining {
     all["bytes"] = bytes;
     all["peak_gaussians"] = statics + most;
     all["seconds"] = seconds;
+    all["continued"] = continues_;
     all["static"] = std::move(fixed);
     all["parts"] = std::move(parts);
     return all;
@@ -289,6 +292,7 @@ class WindowsTraining {
 
   const WindowsRequest& request_;
   const WindowsFolder folder_;
+  const bool continues_;  // what an earlier program has trained
   TrainingTerminal terminal_;
   WindowsPlan plan_;
   std::string scene_files_;

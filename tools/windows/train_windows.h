@@ -25,9 +25,9 @@ struct WindowsRequest {
 /// Returns when all windows are trained, by this program or another, or when it is stopped.
 /// `windows` (number), `finished`, `left`, `folder`, `static` and `parts` (results of the
 /// trainings), `num_static`, `num_dynamic` and `num_gaussians` (sums), `bytes` (of the models'
-/// files), `peak_gaussians` (of a window with the static
-/// set), `seconds` (sum). Errors: InputError: the folder holds another clip, cut or request; a
-/// window that cannot be trained, after all others have been.
+/// files), `peak_gaussians` (of a window with the static set), `seconds` (sum), `continued`
+/// (whether an earlier program had begun). Errors: InputError: the folder holds another clip, cut
+/// or request; a window that cannot be trained, after all others have been.
 nlohmann::json train_windows(const WindowsRequest& request);
 
 /// In lines for a person.

@@ -100,6 +100,23 @@ TEST_F(BatchReport, DistinguishesTrainingViewsFromHeldOutOnes) {
   EXPECT_EQ(all["scenes"][2]["split"], "train");
 }
 
+// Bug put back: options, version and device from the folder of the clip, which has none; seen to
+// fail.
+TEST_F(BatchReport, AClipInWindowsHasTheirVersionAndWarnings) {
+  const std::string run = "runs/room/fast/seed-1";
+  std::filesystem::remove(folder / (run + "/config.json"));
+  write(run + "/windows.json", {{"windows",
+                                 {{{"folder", "windows/0000"}, {"drawn", {0, 0.5}}},
+                                  {{"folder", "windows/0001"}, {"drawn", {0.5, 1}}}}}});
+  write(run + "/windows/0000/config.json", {{"tessera", "1.3"}, {"preset", "fast"}});
+  write(run + "/windows/0001/log.jsonl", {{"event", "warning"}, {"text", "a dark window"}});
+  const json found = whole()["runs"][0];
+  EXPECT_EQ(found["version"], "1.3");
+  EXPECT_EQ(found["windows"].size(), 2u);
+  EXPECT_EQ(found["warnings"][0]["text"], "a dark window");
+  EXPECT_EQ(found["scores"]["psnr"], 20);
+}
+
 // Finds: without the seconds of one job a sum of the others; a resumed training's sum.
 TEST_F(BatchReport, AddsUpTheSecondsOfAllJobs) {
   const auto command = [&] { return whole()["runs"][0]["seconds"]["command"]; };

@@ -47,6 +47,28 @@ class CliWindows : public ::testing::Test {
     more.insert(more.end(), {"--iterations", "12"});
     return tiny({"train", work.at("scene"), "-o", work.at(out), "--windows", "1s"}, more);
   }
+  /// The images of the whole clip in OUT are those that each window has of itself.
+  void expect_views_of_windows(const json& whole) const {
+    const auto images_of = [](const json& run) {
+      std::map<std::string, std::pair<json, json>> images;
+      for (const json& view : run["views"])
+        if (view["strip"] == true) images[view["name"]] = {view["truth"], view["result"]};
+      return images;
+    };
+    const auto all = images_of(whole);
+    for (const char* window : {"0000", "0001"}) {
+      const json report =
+          work.run_json({"report", work.at(std::string("out/run/windows/") + window), "--backend",
+                         "cpu", "-o", work.at("of_window")});
+      int found = 0;
+      for (const auto& [name, images] : images_of(report["runs"][0]))
+        if (const auto same = all.find(name); same != all.end()) {
+          EXPECT_EQ(same->second, images) << name;
+          ++found;
+        }
+      EXPECT_GE(found, 3) << window;
+    }
+  }
   const CliWorkspace work;
 };
 
@@ -172,7 +194,8 @@ TEST_F(CliWindows, ReplaceAndAreReplacedWhereThatIsAskedFor) {
 
 // Finds: a stage of `run` that looks for one model; a second run that trains again; a successor
 // whose windows name the folder in which they were made, or that leaves the old windows behind; the
-// scores of old windows in the place of a whole clip's.
+// scores of old windows in the place of a whole clip's. Bugs put back, each seen to fail: views of
+// all windows by the model of the first; a report without all windows is an error.
 TEST_F(CliWindows, ComeOutOfRunAsOneResult) {
   const auto run = [&](const std::vector<std::string>& more, const char* windows = "1s") {
     std::vector<std::string> command{"run", work.at("room"), "-o", work.at("out")};
@@ -187,6 +210,13 @@ TEST_F(CliWindows, ComeOutOfRunAsOneResult) {
     EXPECT_EQ(open_tessera4d(work / "out/player").windows().size(), 2u);
     EXPECT_TRUE(fs::exists(work / "out/report/index.html"));
   }
+  const json report = json::parse(work.read("out/report/report.json"));
+  EXPECT_EQ(report["kind"], "run");
+  ASSERT_EQ(report["runs"].size(), 1u);
+  EXPECT_EQ(report["runs"][0]["windows"].size(), 2u);
+  EXPECT_EQ(report["runs"][0]["scores"]["psnr"], result["psnr"]);
+  EXPECT_GT(report["runs"][0]["seconds"]["command"], 0);
+  expect_views_of_windows(report["runs"][0]);
   const WrittenFiles before = work.written("out", "model.ply");
   ASSERT_EQ(before.size(), 3u);
   work.run_json(run({"--iterations", "12"}));
@@ -201,6 +231,16 @@ TEST_F(CliWindows, ComeOutOfRunAsOneResult) {
   EXPECT_EQ(json::parse(work.read("out/run/windows.json"))["scene"],
             fs::absolute(work / "out/scene").string());
   EXPECT_EQ(work.run_json({"evaluate", work.at("out"), "--backend", "cpu"})["windows"], 2);
+
+  fs::rename(work / "out/run/windows/0001/model.ply", work / "model.ply");
+  json again = work.run_json({"report", work.at("out"), "--backend", "cpu"})["runs"][0];
+  EXPECT_NE(again["image_note"].get<std::string>().find("1 of 2 windows are not trained"),
+            std::string::npos);
+  EXPECT_EQ(again["windows"].size(), 2u);
+  fs::rename(work / "model.ply", work / "out/run/windows/0001/model.ply");
+  fs::remove(work / "out/run/metrics.json");
+  again = work.run_json({"report", work.at("out"), "--backend", "cpu"})["runs"][0];
+  EXPECT_GT(again["scores"]["psnr"], 5) << "is scored for it";
 
   fs::remove(work / "out/stages.json");  // as where it was stopped before its end
   const ChildResult whole = work.run(run({"--iterations", "12"}, "none"));

@@ -40,7 +40,26 @@ export interface Run {
   warnings: { stage: string; text: string }[];
   files: { name: string; path: string; bytes: number | null }[]; // paths from the page's folder
   image_note: string | null; // why there are no images
+  windows?: Window[]; // of a clip that was trained window by window
+  borders?: Borders | null;
 }
+
+/** One window; scores are means over the views that are drawn of it. */
+export interface Window {
+  folder: string;
+  begin: number; // s of the clip
+  end: number;
+  state: "done" | "unfinished";
+  psnr: number | null;
+  psnr_dynamic: number | null;
+  psnr_static: number | null;
+  dynamic: number; // Gaussians
+  steps: number;
+  seconds: number | null; // of training
+}
+
+/** Temporal error between neighbouring timesteps, 1/255. */
+type Borders = Record<"inside" | "border" | "inside_moving" | "border_moving", number | null>;
 
 export type Scores = Record<
   "psnr" | "psnr_dynamic" | "psnr_static" | "psnr_fit" | "ssim" | "lpips",

@@ -1,6 +1,6 @@
 // The sections with details of a run: decisions, stages, files, machine, all views and options.
 import type { Run, View } from "./data";
-import { button, card, details, facts, fileLink, make, section } from "./elements";
+import { button, card, details, detailsWhenOpened, facts, fileLink, make, section } from "./elements";
 import { table, type Column } from "./tables";
 import {
   dateWords, fixed, optionWords, shortNumber, sizeWords, timeWords, viewsWords, wholeNumber,
@@ -77,7 +77,7 @@ export function viewsTable(run: Run, select: ((name: string) => void) | null): H
     number("static pixels [dB]", (view) => view.psnr_static),
   ];
   const summary = `${run.views.length} ${viewsWords(run.split)} with their scores`;
-  return details(summary, table("all views", columns, run.views));
+  return detailsWhenOpened(summary, () => table("all views", columns, run.views));
 }
 
 export function optionsTable(run: Run): HTMLElement | null {

@@ -65,6 +65,13 @@ export function details(summary: string, ...children: Child[]): HTMLDetailsEleme
   return make("details", {}, make("summary", {}, summary), ...children);
 }
 
+/** The same with what is made when it is opened: a table of thousands of rows takes seconds. */
+export function detailsWhenOpened(summary: string, content: () => Child): HTMLDetailsElement {
+  const made = details(summary);
+  made.addEventListener("toggle", () => made.append(content() ?? ""), { once: true });
+  return made;
+}
+
 /** A file of the page's folder, whose path may have any letters. */
 export function fileLink(path: string, text: string, attributes: Record<string, Value> = {}) {
   const href = path.split("/").map(encodeURIComponent).join("/");

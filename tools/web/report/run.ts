@@ -7,16 +7,16 @@ import {
 } from "./details";
 import { fileLink, make, section } from "./elements";
 import { makeViewer } from "./viewer";
+import { windowsSection, windowTiles, type Tile } from "./windows";
 import {
   dateWords, decibels, fixed, shortNumber, sizeWords, timeWords, viewsWords, wholeNumber,
 } from "./words";
 
 const MOST_OBJECTS = 3; // that a tile names
 
-type Tile = [name: string, value: string, more: string];
-
 export function summaryOf(run: Run): string {
-  const parts = [`${wholeNumber(run.steps)} steps`];
+  const windows = run.windows?.length ?? 0;
+  const parts = [`${wholeNumber(run.steps)} steps${windows > 0 ? ` in ${windows} windows` : ""}`];
   if (run.preset !== "") parts.push(`preset ${run.preset}`);
   if (run.started !== "") parts.push(`started ${dateWords(run.started)}`);
   if (run.state === "unfinished") parts.push("unfinished");
@@ -56,6 +56,7 @@ function tiles(run: Run): Tile[] {
   add("Lowest timestep", worst && worst.psnr, decibels(worst && worst.psnr),
     worst === null ? "" : `frame ${wholeNumber(worst.frame_number)}`);
   if (run.objects.length > 0) made.push(objectTile(run.objects));
+  made.push(...windowTiles(run));
   const training = run.seconds.training;
   add("Whole command", run.seconds.command, timeWords(run.seconds.command),
     training === null ? "" : `training ${timeWords(training)}`);
@@ -89,6 +90,7 @@ export function runPage(run: Run, title: string): Node[] {
     head(run, title),
     scores(run),
     warningsSection([run]),
+    windowsSection(run),
     viewer?.element ?? noImages,
     decisions && section("What the training decided", decisions),
     makeCharts([run])?.element ?? null,
