@@ -3,9 +3,9 @@
 # training at a time, writes results/ID.json, and redraws the tables and the chart. Figures in the text
 # of the pages are corrected by hand: exit code 1 and a line for each that does not hold any more.
 # Usage: measure.sh [--tessera PROGRAM] [--out DIR] [--only ID,ID] DATA
-# DATA holds captures or prepared scenes with the names of the scenes in results/. A results file of
-# which a scene is absent stays as it is. The batches are in DIR, default build/measured/COMMIT; the
-# same command continues where it was stopped.
+# DATA holds captures or prepared scenes with the names of the scenes in results/; those that are
+# rendered are made there. A results file of which another scene is absent stays as it is. The
+# batches are in DIR, default build/measured/COMMIT; the same command continues where it was stopped.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 tessera=$root/build/release/tessera out='' only='' data=''
@@ -30,11 +30,24 @@ commit=$("$tessera" env --json | python3 -c 'import json, sys; print(json.load(s
 out=${out:-$root/build/measured/$commit}
 mkdir -p "$out"
 
+rendered() { # SCENE: makes one that is rendered, as its results file says; 1: it is none of these
+  case $1 in
+    figure) set -- figure --layout dnerf --frames 150 --held-out-frames 20 --width 800 --height 800 ;;
+    fast)
+      set -- fast --layout n3dv --cameras 12 --frames 48 --width 480 --height 360 \
+        --light-step 0.85 --camera-gains
+      ;;
+    *) return 1 ;;
+  esac
+  "$tessera" synth "$@" -o "$data/$1"
+}
+
 wanted() { # ID SCENE...: whether it is asked for, and all its scenes are there
   case ,${only:-$1}, in *,"$1",*) ;; *) return 1 ;; esac
   local scene
   for scene in "${@:2}"; do
-    [ -e "$data/$scene" ] || { echo "skipped: $1, as there is no $data/$scene" && return 1; }
+    [ -e "$data/$scene" ] || rendered "$scene" ||
+      { echo "skipped: $1, as there is no $data/$scene" && return 1; }
   done
 }
 
