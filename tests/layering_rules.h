@@ -43,8 +43,8 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
 /// Lines of C++ and CUDA that each top folder may have. A feature names what it replaces, or raises
 /// the number in the commit that brings it; a cut lowers it.
 inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13480}, {"ingest", 24400},
-                                                         {"recon4d", 12380}, {"static3d", 5850},
-                                                         {"tools", 22600},   {"tests", 55700}};
+                                                         {"recon4d", 12380}, {"static3d", 5870},
+                                                         {"tools", 22700},   {"tests", 55800}};
 
 /// Where CUDA may be used; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",

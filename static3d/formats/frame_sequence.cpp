@@ -34,6 +34,15 @@ struct Bounds {
   }
 };
 
+/// A model whose frames are written: all of the sequence, or those of one window.
+struct SlicedModel {
+  explicit SlicedModel(const GaussianModel& of) : model(of), slicer(of), box(scene_box(of)) {}
+
+  const GaussianModel& model;
+  const Slicer slicer;
+  const SceneBox box;
+};
+
 class SequenceWriter {
  public:
   SequenceWriter(const GaussianModel& model, std::filesystem::path folder,
@@ -44,18 +53,15 @@ class SequenceWriter {
         times_(times),
         format_(format),
         hints_(hints),
-        slicer_(model),
-        box_(scene_box(model)),
         frames_(times.size()),
         bytes_(times.size()),
         bounds_(times.size()) {}
 
-  void write_frame(size_t i);
+  /// `time`: of the model.
+  void write_frame(size_t i, const SlicedModel& sliced, double time);
   SequenceReport report() const;
   void write_manifest(const SequenceReport& report) const;
   void remove_older_frames() const;
-  /// Frames that may be in memory at once: a slice, its selection and the copy that is saved.
-  int64_t frames_at_once() const;
 
  private:
   std::string name(size_t i) const {
@@ -63,25 +69,23 @@ class SequenceWriter {
   }
   nlohmann::json frames_per_second() const;
 
-  const GaussianModel& model_;
+  const GaussianModel& model_;  // of windows, what they have in common
   std::filesystem::path folder_;
   const std::vector<double>& times_;
   const SplatFormat& format_;
   const SequenceHints& hints_;
-  Slicer slicer_;
-  SceneBox box_;
   std::vector<SequenceFrame> frames_;
   std::vector<int64_t> bytes_;
   std::vector<Bounds> bounds_;
 };
 
-void SequenceWriter::write_frame(size_t i) {
-  const GaussianSet slice = slicer_.at(times_[i]);
+void SequenceWriter::write_frame(size_t i, const SlicedModel& sliced, double time) {
+  const GaussianSet slice = sliced.slicer.at(time);
   const GaussianSpans<const float> values = slice.values();
   SequenceFrame& frame = frames_[i];
   frame.time = times_[i];
-  frame.non_finite = slicer_.invalid();
-  frame.below_cutoff = model_.count() - slicer_.invalid() - slice.count();
+  frame.non_finite = sliced.slicer.invalid();
+  frame.below_cutoff = sliced.model.count() - sliced.slicer.invalid() - slice.count();
   std::vector<int64_t> rows;
   const Cutoff<float> cutoff = model_.cutoff<float>();
   for (int64_t n = 0; n < slice.count(); ++n) {
@@ -92,7 +96,7 @@ void SequenceWriter::write_frame(size_t i) {
     } else {
       rows.push_back(n);
       const Vec3<float> mean = load3(values.at(kMean, n));
-      if (box_.is_far(mean, kFarFactor))
+      if (sliced.box.is_far(mean, kFarFactor))
         ++frame.far_outliers;
       else
         bounds_[i].add(mean, mean);
@@ -198,10 +202,11 @@ void SequenceWriter::remove_older_frames() const {
   for (const auto& path : stale) std::filesystem::remove(path);
 }
 
-int64_t SequenceWriter::frames_at_once() const {
+/// Frames that may be in memory at once: a slice, its selection and the copy that is saved.
+int64_t frames_at_once(const GaussianModel& model) {
   constexpr int64_t kBudgetBytes = int64_t(2) << 30, kCopies = 3;
-  const int64_t frame = kCopies * std::max<int64_t>(1, model_.static_set.value_bytes() +
-                                                           model_.dynamic_set.value_bytes());
+  const int64_t frame = kCopies * std::max<int64_t>(1, model.static_set.value_bytes() +
+                                                           model.dynamic_set.value_bytes());
   return std::clamp<int64_t>(kBudgetBytes / frame, 1, thread_count());
 }
 
@@ -214,7 +219,8 @@ std::string sequence_file_name(int64_t i, int64_t count, const SplatFormat& form
 
 SequenceReport export_sequence(const GaussianModel& model, const std::filesystem::path& folder,
                                const std::vector<double>& times, const SplatFormat& format,
-                               const SequenceProgress& progress, const SequenceHints& hints) {
+                               const SequenceProgress& progress, const SequenceHints& hints,
+                               const WindowModels& windows) {
   if (times.empty())
     throw InputError(fmt::format("{}: a sequence needs at least one time; pass --frames or --time",
                                  folder.string()));
@@ -226,12 +232,25 @@ SequenceReport export_sequence(const GaussianModel& model, const std::filesystem
   make_folder(folder);
   std::filesystem::remove(folder / kManifest);  // it names whole sequences only
   SequenceWriter writer(model, folder, times, format, hints);
-  const int64_t count = int64_t(times.size()), at_once = writer.frames_at_once();
-  for (int64_t begin = 0; begin < count; begin += at_once) {
-    const int64_t end = std::min(begin + at_once, count);
-    parallel_for(end - begin, 1,
-                 [&](int64_t i, int64_t) { writer.write_frame(size_t(begin + i)); });
-    if (progress) progress(end, count);
+  const int64_t count = int64_t(times.size());
+  const auto write = [&](const GaussianModel& of, const FileWindow& window, int64_t first,
+                         int64_t last) {
+    const SlicedModel sliced(of);
+    const int64_t at_once = frames_at_once(of);
+    for (int64_t begin = first; begin < last; begin += at_once) {
+      const int64_t end = std::min(begin + at_once, last);
+      parallel_for(end - begin, 1, [&](int64_t k, int64_t) {
+        const size_t i = size_t(begin + k);
+        writer.write_frame(i, sliced, window_time(window, times[i]));
+      });
+      if (progress) progress(end, count);
+    }
+  };
+  if (windows.windows.empty()) write(model, FileWindow{}, 0, count);
+  for (int64_t first = 0, last = 0; first < count && !windows.windows.empty(); first = last) {
+    const int index = window_at(windows.windows, times[size_t(first)]);
+    while (last < count && window_at(windows.windows, times[size_t(last)]) == index) ++last;
+    write(windows.load(index), windows.windows[size_t(index)], first, last);
   }
   writer.remove_older_frames();
   const SequenceReport report = writer.report();

@@ -10,6 +10,7 @@
 #include "recon4d/model/gaussian_set.h"
 #include "static3d/formats/splat_file.h"
 #include "static3d/tessera4d/player_hints.h"
+#include "static3d/tessera4d/windows.h"
 
 namespace tessera {
 
@@ -46,11 +47,12 @@ struct SequenceHints {
 /// ascending) and, last, manifest.json. Each file appears atomically; frames of an earlier, longer
 /// export are removed. Frames are made in parallel, as many at once as fit a fixed memory budget.
 /// Frames show the colours of the model only when it has sliced_direction, see
-/// Slicer::at. Errors: InputError: no times, times that do not ascend, a folder that cannot be
-/// written.
+/// Slicer::at. `windows`, where it has any: each frame is of the window that is drawn at its time,
+/// and `model` states their drawing rules and the time axis of the clip alone. Errors: InputError:
+/// no times, times that do not ascend, a folder that cannot be written; of WindowModels::load.
 SequenceReport export_sequence(const GaussianModel& model, const std::filesystem::path& folder,
                                const std::vector<double>& times, const SplatFormat& format,
                                const SequenceProgress& progress = {},
-                               const SequenceHints& hints = {});
+                               const SequenceHints& hints = {}, const WindowModels& windows = {});
 
 }  // namespace tessera

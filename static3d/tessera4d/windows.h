@@ -2,11 +2,13 @@
 // stored in a time of their own. Each window is drawn in its core alone, and cores tile the clip.
 // Source: docs/reference/tessera4d.md, section 6.
 #pragma once
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "ingest/scene.h"
+#include "recon4d/model/gaussian_set.h"
 
 namespace tessera {
 
@@ -32,6 +34,12 @@ TimeAxis window_axis(const FileWindow& window, const TimeAxis& clip);
 
 /// The window that is drawn at t; the first or last one beyond the clip. Not of an empty list.
 int window_at(const std::vector<FileWindow>& windows, double t);
+
+/// The models of windows, which are loaded one after another.
+struct WindowModels {
+  std::vector<FileWindow> windows;
+  std::function<GaussianModel(int)> load;  // by index; in the time of the window
+};
 
 /// Why these cannot be the windows of a file; "" where they can.
 std::string wrong_windows(const std::vector<FileWindow>& windows);

@@ -21,6 +21,8 @@
 #include "tools/export/output_folder.h"
 #include "tools/session/locks.h"
 #include "tools/session/model_input.h"
+#include "tools/session/run_folder.h"
+#include "tools/session/windows_folder.h"
 #include "tools/video/video_encoder.h"
 
 namespace tessera {
@@ -56,14 +58,63 @@ void write_files(const RenderRequest& request, const OutputFolder& folder, const
 
 using ImageSink = std::function<void(const NamedView&, const RenderedImage&)>;
 
-/// Hands the images over in the order of the views.
-void render_all(Renderer& renderer, const std::vector<NamedView>& views, const ImageSink& sink) {
-  ProgressBar bar("render");
-  for (size_t begin = 0; begin < views.size(); begin += kViewsAtOnce) {
-    const size_t end = std::min(begin + kViewsAtOnce, views.size());
+/// Renders a model, or a clip in windows, of which one is in memory.
+class ClipRenderer {
+ public:
+  ClipRenderer(Backend& backend, WindowModels models, bool background)
+      : backend_(backend), models_(std::move(models)), background_(background) {}
+
+  /// The end of the views from `begin` on, at most kViewsAtOnce, that are of one window.
+  size_t end_of_batch(const std::vector<NamedView>& views, size_t begin) const {
+    size_t end = begin + 1;
+    while (end < views.size() && end < begin + kViewsAtOnce &&
+           window_of(views[end]) == window_of(views[begin]))
+      ++end;
+    return end;
+  }
+  /// Views of such a batch.
+  std::vector<RenderedImage> render(const std::vector<NamedView>& views, size_t begin, size_t end) {
+    load(window_of(views[begin]));
     std::vector<View> batch;
-    for (size_t i = begin; i < end; ++i) batch.push_back(views[i].view);
-    const std::vector<RenderedImage> images = renderer.render(batch);
+    for (size_t i = begin; i < end; ++i) {
+      batch.push_back(views[i].view);
+      batch.back().time = window_time(models_.windows[size_t(window_)], batch.back().time);
+    }
+    return renderer_->render(batch);
+  }
+  /// Of what has been drawn: the most Gaussians at once, and the last background.
+  int64_t peak() const { return peak_; }
+  const auto& background() const { return model_.background; }
+
+ private:
+  int window_of(const NamedView& view) const { return window_at(models_.windows, view.view.time); }
+
+  void load(int window) {
+    if (window == window_) return;
+    renderer_.reset();
+    model_ = models_.load(window);
+    window_ = window;
+    peak_ = std::max(peak_, model_.count());
+    renderer_.emplace(backend_, model_);
+    if (!background_) renderer_->draw_no_background();
+  }
+
+  Backend& backend_;
+  const WindowModels models_;
+  const bool background_;
+  GaussianModel model_;
+  int window_ = -1;
+  int64_t peak_ = 0;
+  std::optional<Renderer> renderer_;
+};
+
+/// Hands the images over in the order of the views.
+void render_all(ClipRenderer& renderer, const std::vector<NamedView>& views,
+                const ImageSink& sink) {
+  ProgressBar bar("render");
+  for (size_t begin = 0, end = 0; begin < views.size(); begin = end) {
+    end = renderer.end_of_batch(views, begin);
+    const std::vector<RenderedImage> images = renderer.render(views, begin, end);
     for (size_t i = begin; i < end; ++i) {
       stop_if_interrupted();
       sink(views[i], images[i - begin]);
@@ -72,7 +123,7 @@ void render_all(Renderer& renderer, const std::vector<NamedView>& views, const I
   }
 }
 
-nlohmann::json write_images(const RenderRequest& request, Renderer& renderer,
+nlohmann::json write_images(const RenderRequest& request, ClipRenderer& renderer,
                             const std::vector<NamedView>& views) {
   OutputFolder folder(request.out, "render", file_names(views, request.floats), request.overwrite);
   render_all(renderer, views, [&](const NamedView& named, const RenderedImage& image) {
@@ -92,7 +143,7 @@ nlohmann::json write_images(const RenderRequest& request, Renderer& renderer,
   return {{"frames", std::move(frames)}};
 }
 
-nlohmann::json encode_views(Renderer& renderer, const std::vector<NamedView>& views,
+nlohmann::json encode_views(ClipRenderer& renderer, const std::vector<NamedView>& views,
                             const FrameRate& fps, const std::filesystem::path& file) {
   const Camera& lens = views.front().view.camera;
   VideoEncoder encoder(file, {lens.width, lens.height, fps, kVideoQuality, VideoColour::kBt709});
@@ -113,7 +164,7 @@ bool is_video_file(const std::filesystem::path& out) {
 }
 
 /// OUT is the file itself when it ends in .mp4, else a folder for video.mp4.
-nlohmann::json write_video(const RenderRequest& request, Renderer& renderer,
+nlohmann::json write_video(const RenderRequest& request, ClipRenderer& renderer,
                            const std::vector<NamedView>& views) {
   const std::filesystem::path out = request.out;
   if (is_video_file(out)) return encode_views(renderer, views, request.path.fps, out);
@@ -157,33 +208,55 @@ void check_request(RenderRequest& request) {
         fmt::format("{}: is there already; choose another file or pass --overwrite", request.out));
 }
 
+/// What is drawn: the model, or the windows of a clip, whose common part is in `input`.
+WindowModels models_of(const RenderRequest& request, const WindowsFolder& folder,
+                       ModelInput& input) {
+  WindowModels models;
+  if (folder.exists()) {
+    ClipModels clip = clip_models(folder);
+    input.file = RunFolder{clip.head_run}.model();
+    input.model = std::move(clip.head);
+    models = std::move(clip.windows);
+  } else {
+    input = load_model_input(request.model);
+    models.windows = {FileWindow{}};
+    models.load = [&input](int) { return std::move(input.model); };  // once, of the only one
+  }
+  return {std::move(models.windows), [request, load = std::move(models.load)](int window) {
+            GaussianModel model = load(window);
+            replace_background(request.background, model);
+            return request.dynamic_share ? dynamic_set_white(model) : std::move(model);
+          }};
+}
+
 int render(RenderRequest request) {
   check_request(request);
   set_thread_count(request.threads);
-  ModelInput input = load_model_input(request.model);
-  check_output_of_model(request.out, request.model, request.choice.cameras);
+  const WindowsFolder folder = windows_folder_of(request.model);
+  ModelInput input;
+  const WindowModels models = models_of(request, folder, input);
+  check_output_of_model(request.out, folder.exists() ? folder.root.string() : request.model,
+                        request.choice.cameras);
   const SceneLock in_use(request.choice.cameras, SceneLock::Use::kRead);
-  replace_background(request.background, input.model);
   const std::vector<NamedView> views = request.path.path.empty()
                                            ? read_views(request.choice, input.model)
                                            : path_views(request.path, input, input.warnings);
   for (const std::string& warning : input.warnings) warn(warning);
   if (!request.path.path.empty()) say_small(request.path, views.front().view.camera);
-  if (request.dynamic_share) input.model = dynamic_set_white(input.model);
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
-  Renderer renderer(*backend, input.model);
-  if (request.alpha) renderer.draw_no_background();
+  ClipRenderer renderer(*backend, models, !request.alpha);
   nlohmann::json result =
       request.mp4 ? write_video(request, renderer, views) : write_images(request, renderer, views);
   result.update({{"out", request.out},
-                 {"model", input.file.string()},
-                 {"num_gaussians", input.model.count()},
-                 {"background", input.model.background},
+                 {"model", folder.exists() ? folder.root.string() : input.file.string()},
+                 {"num_gaussians", renderer.peak()},
+                 {"background", renderer.background()},
                  {"backend", backend->name()},
                  {"count", views.size()}});
-  print_result(
-      request.json, result,
-      fmt::format("{}: {} images of {} Gaussians", request.out, views.size(), input.model.count()));
+  if (folder.exists()) result["windows"] = models.windows.size();
+  print_result(request.json, result,
+               fmt::format("{}: {} images of {}{} Gaussians", request.out, views.size(),
+                           folder.exists() ? "at most " : "", renderer.peak()));
   return kExitDone;
 }
 
@@ -220,7 +293,8 @@ void add_render_command(CLI::App& app, Work& work) {
   const auto request = std::make_shared<RenderRequest>();
   command
       ->add_option("model", request->model,
-                   "output of `tessera run`, run folder, checkpoint, 3DGS or Tessera .ply")
+                   "output of `tessera run`, run folder, folder of windows, checkpoint, 3DGS or "
+                   "Tessera .ply")
       ->required();
   command->add_option(
       "--cameras", request->choice.cameras,

@@ -30,7 +30,6 @@
 #include "tools/export/player_files.h"
 #include "tools/export/run_outputs.h"
 #include "tools/export/run_successor.h"
-#include "tools/export/windows_export.h"
 #include "tools/live/earlier_training.h"
 #include "tools/live/live_training.h"
 #include "tools/live/stopped_training.h"
@@ -338,12 +337,6 @@ class Runner {
                         frames().string()));
       return true;
     }
-    if (windows_ > 1) {
-      warn(
-          kExport.message(": PLY frames are of one model; `tessera export` writes those of a "
-                          "window"));
-      return true;
-    }
     return do_stage(
         kExport, of_training({{"export_frames", request_.export_frames}}),
         frames() / "manifest.json",
@@ -360,26 +353,9 @@ class Runner {
     return do_stage(kPage,
                     of_training({{"title", request_.title}, {"description", request_.description}}),
                     folder / kPageFile, [&] {
-                      if (windows_ > 1) return std::optional(write_windows_player(folder));
                       return std::optional(
                           write_run_player(run_, folder, request_.title, request_.description));
                     });
-  }
-
-  json write_windows_player(const fs::path& folder) const {
-    ExportRequest page;
-    page.model = run_.root.string();
-    page.out = folder.string();
-    page.overwrite = true;
-    page.format = "page";
-    page.title = request_.title;
-    page.description = request_.description;
-    page.poster = "auto";
-    json written = export_windows(page, WindowsFolder{run_.root});
-    written["folder"] = folder.string();
-    written["format"] = page.format;
-    written["floaters"] = nullptr;
-    return written;
   }
 
   /// A report that cannot be written is no reason to fail after hours of training.

@@ -91,11 +91,7 @@ std::string player_advice(const json& result) {
 }
 
 std::string next_text(const json& result) {
-  std::string out = result["out"];
-  const std::string path = result["camera_path"];
-  // a clip that was trained window by window has a model for each
-  if (result["training"].contains("windows"))
-    out = result["model"].get<std::string>() + "/windows/0000";
+  const std::string out = result["out"], path = result["camera_path"];
   return (has_player(result) ? player_advice(result) : "") +
          fmt::format("  Render a video along a camera path (orbit or spiral):\n    {}\n",
                      shell_line({"tessera", "render", out, "--path", path, "--mp4", "-o",

@@ -199,7 +199,8 @@ void check_max_bytes(const std::string& scene, int64_t max_bytes) {
                   max_bytes, options.cameras.size(), scene, least));
 }
 
-nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model) {
+nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model,
+                             const WindowModels& windows) {
   const SplatFormat format =
       request.format == "spz" ? spz_format(request.spz_version) : splat_format(request.format);
   if (request.page) check_page_plays(format);
@@ -220,8 +221,9 @@ nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& 
       stop_if_interrupted();
       bar.update(done, total);
     };
-    report = folder.written(
-        [&] { return export_sequence(model, folder.staging(), times, format, progress, hints); });
+    report = folder.written([&] {
+      return export_sequence(model, folder.staging(), times, format, progress, hints, windows);
+    });
   }
   if (request.page) write_text_file(folder.path(kPageFile), page_of_folder(head));
   if (!head.poster.bytes.empty())

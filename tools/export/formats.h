@@ -9,6 +9,7 @@
 #include "recon4d/model/gaussian_set.h"
 #include "recon4d/reduction/size_limit.h"
 #include "static3d/tessera4d/tessera4d.h"
+#include "static3d/tessera4d/windows.h"
 #include "tools/camera_paths/export_times.h"
 
 namespace tessera {
@@ -57,6 +58,8 @@ ShippedBytes shipped_bytes_of(const std::string& path);
 void check_max_bytes(const std::string& scene, int64_t max_bytes);
 
 /// Writes the folder; frames, bytes and counters. Errors: as export_times, export_sequence.
-nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model);
+/// `windows`: as of export_sequence.
+nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model,
+                             const WindowModels& windows = {});
 
 }  // namespace tessera

@@ -5,15 +5,12 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/model/model_file.h"
-#include "static3d/formats/frame_sequence.h"
 #include "static3d/transform/world_change.h"
 #include "tools/camera_paths/camera_path.h"
-#include "tools/camera_paths/export_times.h"
-#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/export/clean_model.h"
 #include "tools/export/formats.h"
-#include "tools/export/output_folder.h"
+#include "tools/export/windows_export.h"
 
 namespace tessera {
 namespace {
@@ -21,42 +18,46 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::vector<std::string> sequence_files(size_t count) {
-  std::vector<std::string> files{"manifest.json"};
-  for (size_t i = 0; i < count; ++i)
-    files.push_back(sequence_file_name(int64_t(i), int64_t(count), splat_format("ply")));
-  return files;
+/// Of the run, replacing what an earlier one has left in the folder.
+ExportRequest request_of(const RunFolder& run, const fs::path& folder, const char* format) {
+  ExportRequest request;
+  request.model = run.root.string();
+  request.out = folder.string();
+  request.format = format;
+  request.overwrite = true;
+  return request;
 }
 
 }  // namespace
 
 json write_run_frames(const RunFolder& run, const fs::path& folder, int64_t count) {
+  ExportRequest request = request_of(run, folder, "ply");
+  request.times.frames = count;
+  if (const WindowsFolder windows{run.root}; windows.exists()) {
+    const json written = export_windows(request, windows);
+    return {{"folder", request.out}, {"frames", written["frames"]}, {"bytes", written["bytes"]}};
+  }
   const GaussianModel model = model_in_source_world(load_model(run.model()));
   if (model.environment.height > 0)
     warn("the environment is not in the PLY frames, which are 3DGS files; the model keeps it");
-  const std::vector<double> times = export_times({.frames = count}, {}, true);
-  OutputFolder output(folder, "run", sequence_files(times.size()), true);
-  ProgressBar bar("export");
-  const SequenceReport report = export_sequence(model, output.staging(), times, splat_format("ply"),
-                                                [&](int64_t done, int64_t total) {
-                                                  stop_if_interrupted();
-                                                  bar.update(done, total);
-                                                });
-  output.finish();
-  return {{"folder", folder.string()}, {"frames", report.frames.size()}, {"bytes", report.bytes}};
+  const json written = export_frames(request, model);
+  return {{"folder", request.out}, {"frames", written["frames"]}, {"bytes", written["bytes"]}};
 }
 
 json write_run_player(const RunFolder& run, const fs::path& folder, const std::string& title,
                       const std::string& description) {
   constexpr int64_t kMostInside = int64_t{64} << 20;  // bytes
-  GaussianModel model = load_model(run.model());
-  ExportRequest page;
-  page.model = run.root.string();
-  page.out = folder.string();
-  page.overwrite = true;
-  page.format = "html";
+  const WindowsFolder windows{run.root};
+  ExportRequest page = request_of(run, folder, windows.exists() ? "page" : "html");
   page.title = title;
   page.description = description;
+  if (windows.exists()) {
+    page.poster = "auto";
+    json written = export_windows(page, windows);
+    written.update({{"folder", page.out}, {"format", page.format}, {"floaters", nullptr}});
+    return written;
+  }
+  GaussianModel model = load_model(run.model());
   if (!scene_of_model(page.model).empty()) {
     page.poster = "auto";
     page.truth = true;
@@ -68,9 +69,7 @@ json write_run_player(const RunFolder& run, const fs::path& folder, const std::s
     page.format = "page";
     written = find_time_format(page.format)->write(page, model);
   }
-  written["folder"] = folder.string();
-  written["format"] = page.format;
-  written["floaters"] = floaters;
+  written.update({{"folder", page.out}, {"format", page.format}, {"floaters", floaters}});
   return written;
 }
 

@@ -1,4 +1,5 @@
-// The files that `tessera run` makes of its model: PLY frames and the player page.
+// The files that `tessera run` makes of its model, or of the windows of a clip: PLY frames and the
+// player page.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -16,8 +17,8 @@ nlohmann::json write_run_frames(const RunFolder& run, const std::filesystem::pat
                                 int64_t count);
 
 /// One page that opens by itself, or a folder for a web server where that would be too much for a
-/// browser to open in one piece, with a poster of a held-out camera. Returns `folder`, `format`
-/// (html or page), `bytes` and more.
+/// browser to open in one piece, as of a clip in windows, with a poster of a held-out camera.
+/// Returns `folder`, `format` (html or page), `bytes` and more.
 nlohmann::json write_run_player(const RunFolder& run, const std::filesystem::path& folder,
                                 const std::string& title, const std::string& description);
 

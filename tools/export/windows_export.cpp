@@ -37,6 +37,28 @@ class WindowsExport {
   }
 
   json write() {
+    json written = find_time_format(request_.format) == nullptr ? write_frames() : write_in_time();
+    written["windows"] = plan_.windows.size();
+    return written;
+  }
+
+ private:
+  /// Numbered files, each of the window that is drawn at its time.
+  json write_frames() {
+    ClipModels clip = clip_models(folder_);
+    const bool keep_world = request_.keep_world;
+    if (!keep_world) clip.head = model_in_source_world(clip.head);
+    clip.windows.load = [keep_world, load = std::move(clip.windows.load)](int window) {
+      return keep_world ? load(window) : model_in_source_world(load(window));
+    };
+    ExportRequest frames = request_;
+    frames.model = clip.head_run.string();
+    json written = export_frames(frames, clip.head, clip.windows);
+    written["peak_gaussians"] = written["max_gaussians"];
+    return written;
+  }
+
+  json write_in_time() {
     GaussianModel fixed = exported_model(folder_.static_run(), request_.keep_world);
     fixed.time_axis = plan_.clip;
     const bool page = request_.format == "page" || request_.format == "html";
@@ -71,7 +93,6 @@ class WindowsExport {
     return {{"frames", files},
             {"bytes", bytes},
             {"scene_bytes", written.bytes},
-            {"windows", plan_.windows.size()},
             {"max_gaussians", written.static_count + written.dynamic_count},
             {"peak_gaussians", written.peak},
             {"non_finite", written.non_finite},
@@ -79,13 +100,12 @@ class WindowsExport {
             {"far_outliers", written.far_outliers}};
   }
 
- private:
   void check_request() const {
     const TimeFormat* const format = find_time_format(request_.format);
-    if (format == nullptr || !format->is_tessera4d)
+    if (format != nullptr && !format->is_tessera4d)
       throw InputError(fmt::format(
           "export: {} holds {} windows, and --format {} one model; name the run of a window, e.g. "
-          "{}, or take --format tessera, page or html",
+          "{}, or take --format tessera, page, html or frames (ply, spz, …)",
           request_.model, plan_.windows.size(), request_.format, folder_.window_run(0).string()));
     for (const auto& [given, name] :
          {std::pair{request_.truth, "--truth"}, {request_.clean.value_or(false), "--clean"}})

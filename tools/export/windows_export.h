@@ -1,5 +1,5 @@
-// A clip that was trained window by window as one Tessera 4D file of windows: a folder, a single
-// file, or with the player's page.
+// A clip that was trained window by window as one Tessera 4D file of windows (a folder, a single
+// file, or with the player's page), or as numbered files of one timestep each.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 

@@ -11,6 +11,7 @@
 #include "ingest/files/folders.h"
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
+#include "recon4d/model/model_file.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {
@@ -151,6 +152,22 @@ void require_all_windows(const WindowsFolder& folder, const WindowsPlan& plan) {
       "{}: {} of {} windows are not trained yet, the first of them is window {}; repeat the "
       "command that trains them",
       folder.root.string(), missing.size(), plan.windows.size(), missing.front()));
+}
+
+ClipModels clip_models(const WindowsFolder& folder) {
+  const WindowsPlan plan = folder.read();
+  require_all_windows(folder, plan);
+  ClipModels clip;
+  clip.windows.windows = plan.windows;
+  clip.windows.load = [folder](int index) {
+    return load_model(RunFolder{folder.window_run(index)}.model());
+  };
+  for (int i = 0; i < int(plan.windows.size()) && (i == 0 || !clip.head.moves()); ++i) {
+    clip.head = clip.windows.load(i);
+    clip.head_run = folder.window_run(i);
+  }
+  clip.head.time_axis = plan.clip;
+  return clip;
 }
 
 WindowsFolder windows_folder_of(const fs::path& path) {

@@ -56,6 +56,19 @@ std::filesystem::path scene_of_windows(const WindowsFolder& folder, const Window
 /// Errors: InputError naming windows whose training is not complete, and the command that goes on.
 void require_all_windows(const WindowsFolder& folder, const WindowsPlan& plan);
 
+/// A clip whose windows are all trained.
+struct ClipModels {
+  WindowModels windows;
+  /// The rules, the world and the time axis of the clip, with the Gaussians of a window: of the
+  /// first in which something moves, where there is one.
+  GaussianModel head;
+  std::filesystem::path head_run;
+};
+
+/// Errors: InputError: as WindowsFolder::read and require_all_windows; as load_model, at once or
+/// when a window is loaded.
+ClipModels clip_models(const WindowsFolder& folder);
+
 /// The folder of windows that `path` means: itself, or the one inside where it is an OUT of
 /// `tessera run`. Its `exists()` is false where there is none.
 WindowsFolder windows_folder_of(const std::filesystem::path& path);
