@@ -72,14 +72,19 @@ void check_camera(const Scene& scene, const std::vector<int>& frames) {
         scene.path, first.camera_name, frames.size(), kQuarters * kLeastMoments));
 }
 
-/// Frames of a quarter, spread evenly.
+/// Frames of a quarter, one of each of its equal parts, in each at another place: at equal
+/// distances what moves to and fro in that time would look the same in all of them.
 std::vector<int> moments_of(const std::vector<int>& frames, int64_t quarter) {
+  constexpr double kGoldenRatio = 0.6180339887498949;
   const auto total = int64_t(frames.size());
   const int64_t begin = quarter * total / kQuarters, end = (quarter + 1) * total / kQuarters,
                 count = std::min(kMoments, end - begin);
   std::vector<int> chosen;
-  for (int64_t i = 0; i < count; ++i)
-    chosen.push_back(frames[size_t(begin + even_spread(i, count, end - begin))]);
+  for (int64_t i = 0; i < count; ++i) {
+    const double within = double(i) * kGoldenRatio - std::floor(double(i) * kGoldenRatio);
+    const double place = (double(i) + within) * double(end - begin) / double(count);
+    chosen.push_back(frames[size_t(begin + int64_t(place))]);
+  }
   return chosen;
 }
 
