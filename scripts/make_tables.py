@@ -30,7 +30,7 @@ COLUMNS = {  # key in a row: (heading, digits after the point, divisor)
     "seconds": ("training, s", 1, 1),
     "whole_seconds": ("whole command, s", 1, 1),
     "num_gaussians": ("Gaussians", 0, 1),
-    "shipped_bytes": ("size, MiB", 1, 2**20),
+    "shipped_bytes": ("4D file, MiB", 1, 2**20),
     "peak_bytes": ("device memory, GiB", 2, 2**30),
 }
 MOST_COLUMNS = 5  # of a table, so that a page shows it whole
