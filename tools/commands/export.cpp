@@ -82,21 +82,22 @@ bool colours_follow_time(const GaussianModel& model) {
   return std::any_of(levels.begin(), levels.end(), [](float x) { return x != 0; });
 }
 
-void warn_of_losses(const ModelInput& input, const TimeFormat* in_time) {
-  if (in_time == nullptr && !drawn_as_players_do(input.model))
+void warn_of_losses(const GaussianModel& model, const std::string& name,
+                    const TimeFormat* in_time) {
+  if (in_time == nullptr && !drawn_as_players_do(model))
     warn(
         fmt::format("{}: was trained with another filter or truncation than players of 3DGS files "
                     "have; its frames look different there; --format tessera keeps them",
-                    input.file.string()));
+                    name));
   if (in_time != nullptr && in_time->keeps_environment) return;
-  if (input.model.environment.height > 0)
+  if (model.environment.height > 0)
     warn(fmt::format("{}: its environment is not in what is exported; --format model keeps it",
-                     input.file.string()));
-  if (in_time != nullptr && colours_follow_time(input.model))
+                     name));
+  if (in_time != nullptr && colours_follow_time(model))
     warn(
         fmt::format("{}: its colours follow time; exported are those of each Gaussian's own "
                     "timestep; frames and --format model keep them",
-                    input.file.string()));
+                    name));
 }
 
 /// Coordinates of maps are written without their millions.
@@ -123,6 +124,7 @@ void check_places(const ExportRequest& request, const std::filesystem::path& mod
 int export_clip(const ExportRequest& request, const WindowsFolder& folder) {
   check_output_of_model(request.out, folder.root.string(), request.cameras);
   nlohmann::json result = export_windows(request, folder);
+  warn_of_losses(clip_models(folder).head, folder.root.string(), find_time_format(request.format));
   result["out"] = request.out;
   result["format"] = request.format;
   result["model"] = folder.root.string();
@@ -151,7 +153,7 @@ int export_command(const ExportRequest& request) {
   }
   nlohmann::json result = in_time != nullptr ? in_time->write(request, input.model)
                                              : export_frames(request, input.model);
-  warn_of_losses(input, in_time);  // of what has been written
+  warn_of_losses(input.model, input.file.string(), in_time);  // of what has been written
   result["out"] = request.out;
   result["format"] = request.format;
   result["model"] = input.file.string();

@@ -148,14 +148,17 @@ ReportedRun reported(const RunPlaces& places, const fs::path& report,
   }
   ReportedRun made{run_report(records), {}};
   made.run["id"] = made.run["title"] = places.title;
-  made.run["image_note"] = note;
   made.run["files"] = files_of(places, report);
   if (records.windows.empty())
     made.run["size"]["model_bytes"] = bytes_of(made.run["files"], "Model");
   made.run["size"]["player_bytes"] = bytes_of(made.run["files"], "Player");
-  if (views)
-    made.images = run_images([&](const ScoredView& view) { return views->view(view); },
-                             scored_views(records.metrics), report);
+  if (views) try {
+      made.images = run_images([&](const ScoredView& view) { return views->view(view); },
+                               scored_views(records.metrics), report);
+    } catch (const InputError& error) {  // a window is loaded when a view of it is drawn
+      note = error.what();
+    }
+  made.run["image_note"] = note;
   return made;
 }
 

@@ -178,6 +178,9 @@ TEST_F(CliWindows, ViewsAndFramesAreThoseOfTheirWindow) {
               work.read("one/frame_0000.ply"));
   }
   EXPECT_EQ(frames("run", "all_frames", {})["frames"], 46) << "at the rate of the cameras";
+  const ChildResult warned =
+      work.run({"export", work.at("run"), "-o", work.at("splats"), "--format", "spz"});
+  EXPECT_NE(warned.err.find("another filter"), std::string::npos) << "as of one model";
   const ChildResult path = work.run({"render", work.at("run"), "--path", "spiral", "--fps", "12",
                                      "--seconds", "2", "-o", work.at("path"), "--backend", "cpu"});
   EXPECT_EQ(path.exit_code, 0) << path.err;
@@ -297,6 +300,11 @@ TEST_F(CliWindows, ComeOutOfRunAsOneResult) {
   EXPECT_NE(again["image_note"].get<std::string>().find("1 of 2 windows are not trained"),
             std::string::npos);
   EXPECT_EQ(again["windows"].size(), 2u);
+  work.write("out/run/windows/0001/model.ply", "damaged");
+  again = work.run_json({"report", work.at("out"), "--backend", "cpu"})["runs"][0];
+  EXPECT_NE(again["image_note"].get<std::string>().find("windows/0001/model.ply"),
+            std::string::npos);
+  EXPECT_EQ(again["scores"]["psnr"], json::parse(work.read("out/run/metrics.json"))["psnr"]);
   fs::rename(work / "model.ply", work / "out/run/windows/0001/model.ply");
   fs::remove(work / "out/run/metrics.json");
   again = work.run_json({"report", work.at("out"), "--backend", "cpu"})["runs"][0];
