@@ -246,11 +246,14 @@ SequenceReport export_sequence(const GaussianModel& model, const std::filesystem
       if (progress) progress(end, count);
     }
   };
-  if (windows.windows.empty()) write(model, FileWindow{}, 0, count);
-  for (int64_t first = 0, last = 0; first < count && !windows.windows.empty(); first = last) {
-    const int index = window_at(windows.windows, times[size_t(first)]);
-    while (last < count && window_at(windows.windows, times[size_t(last)]) == index) ++last;
-    write(windows.load(index), windows.windows[size_t(index)], first, last);
+  if (windows.windows.empty()) {
+    write(model, FileWindow{}, 0, count);
+  } else {
+    for (int64_t first = 0, last = 0; first < count; first = last) {
+      const int index = window_at(windows.windows, times[size_t(first)]);
+      while (last < count && window_at(windows.windows, times[size_t(last)]) == index) ++last;
+      write(windows.load(index), windows.windows[size_t(index)], first, last);
+    }
   }
   writer.remove_older_frames();
   const SequenceReport report = writer.report();

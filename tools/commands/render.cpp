@@ -64,19 +64,12 @@ class ClipRenderer {
   ClipRenderer(Backend& backend, WindowModels models, bool background)
       : backend_(backend), models_(std::move(models)), background_(background) {}
 
-  /// The end of the views from `begin` on, at most kViewsAtOnce, that are of one window.
-  size_t end_of_batch(const std::vector<NamedView>& views, size_t begin) const {
-    size_t end = begin + 1;
-    while (end < views.size() && end < begin + kViewsAtOnce &&
-           window_of(views[end]) == window_of(views[begin]))
-      ++end;
-    return end;
-  }
-  /// Views of such a batch.
-  std::vector<RenderedImage> render(const std::vector<NamedView>& views, size_t begin, size_t end) {
+  /// Views from `begin` on: one or more, at most kViewsAtOnce, all of one window.
+  std::vector<RenderedImage> render(const std::vector<NamedView>& views, size_t begin) {
     load(window_of(views[begin]));
+    const size_t end = std::min(begin + kViewsAtOnce, views.size());
     std::vector<View> batch;
-    for (size_t i = begin; i < end; ++i) {
+    for (size_t i = begin; i < end && window_of(views[i]) == window_; ++i) {
       batch.push_back(views[i].view);
       batch.back().time = window_time(models_.windows[size_t(window_)], batch.back().time);
     }
@@ -112,13 +105,12 @@ class ClipRenderer {
 void render_all(ClipRenderer& renderer, const std::vector<NamedView>& views,
                 const ImageSink& sink) {
   ProgressBar bar("render");
-  for (size_t begin = 0, end = 0; begin < views.size(); begin = end) {
-    end = renderer.end_of_batch(views, begin);
-    const std::vector<RenderedImage> images = renderer.render(views, begin, end);
-    for (size_t i = begin; i < end; ++i) {
+  for (size_t i = 0; i < views.size();) {
+    for (const RenderedImage& image : renderer.render(views, i)) {
       stop_if_interrupted();
-      sink(views[i], images[i - begin]);
+      sink(views[i], image);
       bar.update(int64_t(i + 1), int64_t(views.size()), views[i].name);
+      ++i;
     }
   }
 }

@@ -23,9 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+GaussianModel in_world(GaussianModel model, bool keep_world) {
+  return keep_world ? std::move(model) : model_in_source_world(model);
+}
+
 GaussianModel exported_model(const fs::path& run, bool keep_world) {
-  const GaussianModel model = load_model(RunFolder{run}.model());
-  return keep_world ? model.clone_to(host_memory()) : model_in_source_world(model);
+  return in_world(load_model(RunFolder{run}.model()), keep_world);
 }
 
 class WindowsExport {
@@ -47,9 +50,9 @@ class WindowsExport {
   json write_frames() {
     ClipModels clip = clip_models(folder_);
     const bool keep_world = request_.keep_world;
-    if (!keep_world) clip.head = model_in_source_world(clip.head);
+    clip.head = in_world(std::move(clip.head), keep_world);
     clip.windows.load = [keep_world, load = std::move(clip.windows.load)](int window) {
-      return keep_world ? load(window) : model_in_source_world(load(window));
+      return in_world(load(window), keep_world);
     };
     ExportRequest frames = request_;
     frames.model = clip.head_run.string();

@@ -1,6 +1,8 @@
 // A file that cannot be read is one that is not there.
 #include "tools/report/run_records.h"
 
+#include <tuple>
+
 #include "ingest/files/atomic_file.h"
 #include "tools/report/log_events.h"
 

@@ -40,22 +40,20 @@ void add_scores(const std::vector<ScoredView>& views, const WindowRecords& windo
       {{"psnr", all.value()}, {"psnr_dynamic", dynamic.value()}, {"psnr_static", fixed.value()}});
 }
 
-/// What the training of a window has written last.
+/// What the report of its training has of a window, and the bytes of its model.
 json training_of(const WindowRecords& window) {
+  RunRecords records;
+  records.log = window.log;
+  const json run = run_report(records);
   const std::vector<json> events = log_events(window.log);
-  const RunCurves curves = run_curves(events);
-  const bool is_done = !events.empty() && text_at(events.back(), "event") == "end";
-  const json end = is_done ? events.back() : json();
-  const auto last = [](const std::vector<CurvePoint>& curve) {
-    return curve.empty() ? 0 : int64_t(curve.back().value);
-  };
-  return {{"state", is_done ? "done" : "unfinished"},
-          {"steps", curves.loss.empty() ? count_at(end, "iterations") : curves.loss.back().step},
-          {"static", is_done ? count_at(end, "num_static") : last(curves.num_static)},
-          {"dynamic", is_done ? count_at(end, "num_dynamic") : last(curves.num_dynamic)},
-          {"seconds", is_done ? field_at(end, "seconds") : json()},
-          {"bytes", is_done ? field_at(end, "bytes") : json()},
-          {"peak_bytes", last(curves.bytes)}};
+  const json& size = run["size"];
+  return {{"state", run["state"]},
+          {"steps", run["steps"]},
+          {"static", size["static"]},
+          {"dynamic", size["dynamic"]},
+          {"seconds", run["seconds"]["training"]},
+          {"bytes", run["state"] == "done" ? field_at(events.back(), "bytes") : json()},
+          {"peak_bytes", size["peak_bytes"]}};
 }
 
 }  // namespace
