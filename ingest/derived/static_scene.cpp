@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "ingest/derived/camera_background.h"
 #include "ingest/derived/derived_scene.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/folders.h"
@@ -16,10 +17,7 @@
 #include "ingest/files/point_cloud.h"
 #include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"
-#include "kernels/base/byte_medians.h"
 #include "kernels/base/errors.h"
-#include "kernels/base/median.h"
-#include "kernels/base/parallel.h"
 
 namespace tessera {
 namespace {
@@ -28,10 +26,7 @@ namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 constexpr int64_t kQuarters = 4;
-constexpr int64_t kMoments = 31;  // of a quarter
 constexpr int64_t kLeastMoments = 3;
-constexpr int kMostChange = 10;       // 8-bit units, between quarters
-constexpr double kLeastAtRest = 0.6;  // of the images, that have a pixel as their median
 constexpr double kLeastShared = 0.5;  // of the pixels, below which there is a warning
 
 struct StillImage {
@@ -78,7 +73,7 @@ std::vector<int> moments_of(const std::vector<int>& frames, int64_t quarter) {
   constexpr double kGoldenRatio = 0.6180339887498949;
   const auto total = int64_t(frames.size());
   const int64_t begin = quarter * total / kQuarters, end = (quarter + 1) * total / kQuarters,
-                count = std::min(kMoments, end - begin);
+                count = std::min(kMostOfQuarter, end - begin);
   std::vector<int> chosen;
   for (int64_t i = 0; i < count; ++i) {
     const double within = double(i) * kGoldenRatio - std::floor(double(i) * kGoldenRatio);
@@ -88,57 +83,8 @@ std::vector<int> moments_of(const std::vector<int>& frames, int64_t quarter) {
   return chosen;
 }
 
-using ImageValues = std::vector<const std::vector<uint8_t>*>;
-
-/// Medians of a camera's images by quarter, and how many images have each pixel as these.
-class QuarterMedians {
- public:
-  void add(const ImageValues& quarter) {
-    std::vector<uint8_t> median = lower_medians(quarter);
-    const int most = still_limit(quarter, median);
-    at_rest_.resize(median.size() / 3);
-    count_ += int64_t(quarter.size());
-    // of noise, the median of n images has 1.25 / √n; medians differ by five times that at most
-    most_change_ = std::max(most_change_, int(std::lround(2 * most / std::sqrt(quarter.size()))));
-    parallel_for(int64_t(at_rest_.size()), 1 << 14, [&](int64_t begin, int64_t end) {
-      for (const std::vector<uint8_t>* image : quarter)
-        for (auto p = size_t(begin); p < size_t(end); ++p)
-          at_rest_[p] += differs(*image, median, p, most) ? 0 : 1;
-    });
-    medians_.push_back(std::move(median));
-  }
-  std::vector<uint8_t> median() const {
-    ImageValues all;
-    for (const std::vector<uint8_t>& quarter : medians_) all.push_back(&quarter);
-    return lower_medians(all);
-  }
-  /// Whether a pixel looks the same all along. What moves on one spot has the same median in all
-  /// quarters, and is seldom as there.
-  bool stays(size_t pixel) const {
-    if (double(at_rest_[pixel]) < kLeastAtRest * double(count_)) return false;
-    for (const std::vector<uint8_t>& a : medians_)
-      for (const std::vector<uint8_t>& b : medians_)
-        if (differs(a, b, pixel, most_change_)) return false;
-    return true;
-  }
-
- private:
-  static bool differs(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b, size_t pixel,
-                      int most) {
-    for (size_t i = 3 * pixel; i < 3 * pixel + 3; ++i)
-      if (std::abs(int(a[i]) - int(b[i])) > most) return true;
-    return false;
-  }
-
-  std::vector<std::vector<uint8_t>> medians_;
-  std::vector<uint8_t> at_rest_;  // images
-  int64_t count_ = 0;
-  int most_change_ = kMostChange;
-};
-static_assert(kQuarters * kMoments <= 255);
-
 StillImage still_image(const SceneFiles& files, const std::vector<int>& frames) {
-  QuarterMedians medians;
+  CameraBackground background;
   StillImage still;
   for (int64_t quarter = 0; quarter < kQuarters; ++quarter) {
     SceneOptions options;
@@ -149,18 +95,18 @@ StillImage still_image(const SceneFiles& files, const std::vector<int>& frames) 
       throw InputError(
           fmt::format("{}: images have alpha, so that their background is known and none is shared",
                       scene.path));
-    ImageValues images;
+    CameraBackground::Images images;
     for (const Frame& frame : scene.frames) images.push_back(&frame.image.data);
-    medians.add(images);
+    background.add_quarter(images);
     if (quarter == 0) still.frame = std::move(scene.frames.front());
   }
   Image8& image = still.frame.image;
-  image.data = medians.median();
+  image.data = background.image();
   Image8 mask{image.width, image.height, 1, {}};
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const bool is_used = !still.frame.mask.ignores(x, y);
-      const bool is_shared = is_used && medians.stays(mask.data.size());
+      const bool is_shared = is_used && background.stays(mask.data.size());
       mask.data.push_back(is_shared ? 255 : 0);
       still.used += is_used;
       still.shared += is_shared;

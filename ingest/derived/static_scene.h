@@ -1,5 +1,5 @@
 // What stands still in a whole clip, as a scene of one timestep: the background that all windows of
-// a long clip share. Each image is a median over time.
+// a long clip share.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -16,12 +16,10 @@ struct StaticSceneReport {
 };
 
 /// Writes a prepared scene of one image for each camera of the prepared scene `folder`, held-out
-/// cameras included. Four medians are taken, each of up to 31 frames spread over a quarter of the
-/// clip. A pixel whose four medians differ by more than 10 of 255 in a channel, and by more than
-/// noise, shows something that was moved or whose light has changed, and one that is as in these
-/// medians in less than 0.6 of the frames something that moves on one spot: its mask ignores both,
-/// as it does what the masks of the scene ignore. Points are those of the scene that stand still
-/// and that an image shows. `progress` is told the cameras done and all of them. Errors:
+/// cameras included: its CameraBackground, of up to 31 frames spread over each quarter of the clip.
+/// Its mask ignores pixels where there is none (what moves on one spot, was moved, or whose light
+/// has changed), and what the masks of the scene ignore. Points are those of the scene that stand
+/// still and that an image shows. `progress` is told the cameras done and all of them. Errors:
 /// InputError: no prepared scene, images with alpha, a camera that moves, less than three frames a
 /// quarter; as load_scene.
 StaticSceneReport write_static_scene(const std::filesystem::path& folder,

@@ -157,6 +157,45 @@ TEST_F(AStaticScene, LeavesOutWhatMovesOnOneSpot) {
   }
 }
 
+// What is hidden half of the time, by things of many colours, is still the background; a light that
+// is on for half of the time has none. Bugs put back, each seen to fail: medians, which are no
+// colour of either; a second colour that does not count; one image instead of the mean of those
+// that are alike.
+TEST_F(AStaticScene, HasTheMostFrequentColourOfWhatIsOftenHidden) {
+  const auto is_hidden = [](int x, int y) { return y >= 5 && y < 8 && x >= 4 && x < 20; };
+  const auto is_light = [](int x, int y) { return y >= 9 && y < 11 && x >= 4 && x < 8; };
+  std::mt19937 random(1);
+  for (int i = 0; i < kMoments; ++i) {
+    Image8 image = image_of(i);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        uint8_t* value = &image.data[size_t(3 * (y * kWidth + x))];
+        if (is_light(x, y) && random() % 2 == 0) std::fill_n(value, 3, uint8_t{250});
+        if (!is_hidden(x, y)) continue;
+        const bool is_seen = random() % 20 < 10;
+        for (int v = 0; v < 3; ++v)
+          value[v] = uint8_t(is_seen ? wall(x, y) + int(random() % 7) - 3 : random() % 256);
+      }
+    write_png(folder_ / fmt::format("scene/cam00/{:05}.png", i), image);
+    write_png(folder_ / fmt::format("scene/cam01/{:05}.png", i), image);
+  }
+  make();
+  int hidden = 0, kept = 0, lit = 0, lights = 0;
+  for (const Frame& frame : read().frames)
+    for (int y = 5; y < 11; ++y)
+      for (int x = 1; x < kWidth; ++x) {
+        const bool masked = frame.mask.ignores(x, y);
+        lights += is_light(x, y);
+        lit += is_light(x, y) && !masked;
+        hidden += is_hidden(x, y);
+        if (!is_hidden(x, y) || masked) continue;
+        ++kept;
+        EXPECT_NEAR(frame.image.data[3 * size_t(y * kWidth + x)], wall(x, y), 2) << x << " " << y;
+      }
+  EXPECT_GE(kept, hidden * 8 / 10);
+  EXPECT_LE(lit, lights / 5);
+}
+
 // Bug put back: images at equal distances, at which what repeats in that time is always in one
 // place and is taken for background; seen to fail.
 TEST_F(AStaticScene, LeavesOutWhatMovesInTimeWithTheChosenImages) {

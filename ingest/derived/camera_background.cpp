@@ -1,0 +1,121 @@
+// Where most images are as their median, that is the background. Elsewhere it is the colour that
+// most images have, and only there all pairs of images are compared.
+#include "ingest/derived/camera_background.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "kernels/base/byte_medians.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kMostChange = 10;  // 8-bit units, between quarters
+// Shares of the images. A majority of kMajority leads by kLeastLead whatever the others show.
+constexpr double kMajority = 0.6, kLeastAtRest = 0.4, kLeastLead = 0.2;
+
+using Colour = std::array<uint8_t, 3>;
+
+bool is_near(const uint8_t* a, const uint8_t* b, int most) {
+  return std::abs(int(a[0]) - int(b[0])) <= most && std::abs(int(a[1]) - int(b[1])) <= most &&
+         std::abs(int(a[2]) - int(b[2])) <= most;
+}
+
+/// The colours of one pixel in all images of a quarter.
+class PixelColours {
+ public:
+  PixelColours(const CameraBackground::Images& images, size_t pixel, int most) : most_(most) {
+    for (const std::vector<uint8_t>* image : images)
+      std::copy_n(image->data() + 3 * pixel, 3, colours_[count_++].begin());
+  }
+  int near(const uint8_t* colour) const {
+    int found = 0;
+    for (size_t i = 0; i < count_; ++i) found += is_near(colours_[i].data(), colour, most_) ? 1 : 0;
+    return found;
+  }
+  /// The mean of the images around that image which most others are near to.
+  Colour most_frequent() const {
+    size_t centre = 0;
+    int most_near = 0;
+    for (size_t i = 0; i < count_; ++i) {
+      const int found = near(colours_[i].data());
+      if (found > most_near) centre = i;
+      most_near = std::max(most_near, found);
+    }
+    std::array<int, 3> sum{};
+    int among = 0;
+    for (size_t i = 0; i < count_; ++i) {
+      if (!is_near(colours_[i].data(), colours_[centre].data(), most_)) continue;
+      for (size_t c = 0; c < 3; ++c) sum[c] += colours_[i][c];
+      ++among;
+    }
+    Colour mean;
+    for (size_t c = 0; c < 3; ++c) mean[c] = uint8_t((2 * sum[c] + among) / (2 * among));
+    return mean;
+  }
+  void drop_near(const Colour& colour) {
+    const auto end = std::remove_if(
+        colours_.begin(), colours_.begin() + std::ptrdiff_t(count_),
+        [&](const Colour& other) { return is_near(other.data(), colour.data(), most_); });
+    count_ = size_t(end - colours_.begin());
+  }
+  bool empty() const { return count_ == 0; }
+
+ private:
+  std::array<Colour, kMostOfQuarter> colours_;
+  size_t count_ = 0;
+  int most_;
+};
+
+}  // namespace
+
+void CameraBackground::add_quarter(const Images& images) {
+  check(!images.empty() && int64_t(images.size()) <= kMostOfQuarter,
+        "CameraBackground: 1 to 31 images of a quarter");
+  std::vector<uint8_t> background = lower_medians(images);
+  const int most = still_limit(images, background);
+  const auto count = int(images.size());
+  at_rest_.resize(background.size() / 3);
+  beside_.resize(at_rest_.size());
+  // of noise, the median of n images has 1.25 / √n; medians differ by five times that at most
+  most_change_ =
+      std::max({most_change_, kMostChange, int(std::lround(2 * most / std::sqrt(count)))});
+  parallel_for(int64_t(at_rest_.size()), 1 << 12, [&](int64_t begin, int64_t end) {
+    for (auto p = size_t(begin); p < size_t(end); ++p) {
+      PixelColours colours(images, p, most);
+      int at_rest = colours.near(&background[3 * p]), beside = count - at_rest;
+      if (at_rest < kMajority * count) {
+        const Colour colour = colours.most_frequent();
+        std::copy(colour.begin(), colour.end(), background.begin() + std::ptrdiff_t(3 * p));
+        at_rest = colours.near(colour.data());
+        colours.drop_near(colour);
+        beside = colours.empty() ? 0 : colours.near(colours.most_frequent().data());
+      }
+      at_rest_[p] = uint8_t(at_rest_[p] + at_rest);
+      beside_[p] = uint8_t(beside_[p] + beside);
+    }
+  });
+  count_ += count;
+  quarters_.push_back(std::move(background));
+}
+
+std::vector<uint8_t> CameraBackground::image() const {
+  Images all;
+  for (const std::vector<uint8_t>& quarter : quarters_) all.push_back(&quarter);
+  return lower_medians(all);
+}
+
+bool CameraBackground::stays(size_t pixel) const {
+  const double at_rest = at_rest_[pixel], lead = at_rest - beside_[pixel], all = double(count_);
+  if (at_rest < kLeastAtRest * all || lead < kLeastLead * all) return false;
+  for (const std::vector<uint8_t>& a : quarters_)
+    for (const std::vector<uint8_t>& b : quarters_)
+      if (!is_near(&a[3 * pixel], &b[3 * pixel], most_change_)) return false;
+  return true;
+}
+
+}  // namespace tessera
