@@ -50,6 +50,14 @@ json ledger_of(const JobRecords& jobs) {
   return ledger;
 }
 
+/// `request`: batch.json of a run.
+void add_reduction(const json& request, json& warnings) {
+  for (const auto& [limit, most] : field_at(request, "reduced").items())
+    warnings.push_back({{"stage", "train"},
+                        {"text", fmt::format("ran out of memory; trained again with {} = {}", limit,
+                                             most.get<std::string>())}});
+}
+
 class RunReader {
  public:
   RunReader(const BatchFolder& batch, std::vector<std::string>& notes)
@@ -92,7 +100,7 @@ class RunReader {
   }
 
   void add_batch(const BatchRun& run, const fs::path& folder, const JobRecords& jobs,
-                 json& report) const {
+                 json& report) {
     report["id"] = fmt::format("{}/{}/seed-{}", run.scene, run.preset, run.seed);
     report["title"] = fmt::format("{}, seed {}", run.preset, run.seed);
     report["scene"] = run.scene;
@@ -108,6 +116,7 @@ class RunReader {
     report["size"]["player_bytes"] = or_null(number_at(jobs.page, "bytes"));
     if (const auto peak = number_at(jobs.trained, "peak_device_bytes"))
       report["size"]["peak_bytes"] = *peak;
+    add_reduction(record(folder / "batch.json"), report["warnings"]);
     json& files = report["files"] = json::array();
     const auto add = [&](const char* name, const fs::path& file) {
       if (!file.empty() && fs::is_regular_file(batch_.root / file))

@@ -23,7 +23,8 @@ import settings
 import training
 
 RULES = ("ingest", "doctor", "train", "windows", "evaluate", "export", "report")
-FAILED, BAD_INPUT = 1, 2  # exit codes
+FAILED, BAD_INPUT, KILLED = 1, 2, 137  # exit codes
+KERNEL_COUNTERS = os.environ.get("TESSERA_KERNEL_COUNTERS", "/proc/vmstat")  # another one in tests
 UNFINISHED = ("ended without a word: out of memory or time, or its machine was lost "
               "(or it still runs)")
 
@@ -87,8 +88,7 @@ class Job:
         words = training.command(
             self.run, self.scene, variant, int(self.given.seed), self.batch,
             forecast.row(self.doctor, variant.preset),
-            not in_windows and
-            training.died_of_memory(before, slurm_state(before.get("slurm_job"))), in_windows)
+            not in_windows and died_of_memory(before), in_windows)
         return (["train", self.scene, "-o", self.run, *words, *self.backend, "--json"],
                 self.run + "/train.json")
 
@@ -118,12 +118,13 @@ class Job:
         stage = self.given.rule
         return getattr(self, stage + "_" if stage == "doctor" else stage)(before)
 
-    def record(self, exit_code, message):
+    def record(self, exit_code, message, out_of_memory=False):
         given = self.given
         records.write(self.failure, {
             "job": self.name, "rule": given.rule, "scene": given.scene, "preset": given.preset,
             "seed": given.seed and int(given.seed), "format": given.format,
-            "exit_code": exit_code, "message": message, "attempt": given.attempt,
+            "exit_code": exit_code, "message": message, "out_of_memory": out_of_memory,
+            "attempt": given.attempt,
             "mem_mb": given.mem_mb, "log": self.log, "slurm_job": os.environ.get("SLURM_JOB_ID"),
             "time": time.strftime("%Y-%m-%dT%H:%M:%S%z")})
 
@@ -135,6 +136,12 @@ def slurm_state(job):
     shown = subprocess.run(["scontrol", "-o", "show", "job", job], capture_output=True, text=True)
     states = [w.partition("=")[2] for w in shown.stdout.split() if w.startswith("JobState=")]
     return states[0] if states else ""
+
+
+def died_of_memory(failure):
+    """`failure`: record of the attempt before."""
+    return (failure.get("out_of_memory", False) or
+            slurm_state(failure.get("slurm_job")) == "OUT_OF_MEMORY")
 
 
 def free_gpu(count):
@@ -162,6 +169,25 @@ def last_line(log, begin):
     return (own or lines or ["said nothing"])[-1]
 
 
+def kills_for_memory():
+    """Programs that the kernel has killed for memory until now; 0 where it does not count them."""
+    try:
+        with open(KERNEL_COUNTERS) as counters:
+            return sum(int(line.split()[1]) for line in counters if line.startswith("oom_kill "))
+    except OSError:
+        return 0
+
+
+def failure_of(code, was_kernel, log, begin):
+    """What the record of a failure says. `was_kernel`: it has killed a program for memory meanwhile.
+    SIGKILL alone does not tell: whoever stops a machine or a queue sends it, too."""
+    if code == KILLED:
+        message = "was killed (SIGKILL)" + (": out of memory" if was_kernel else "")
+    else:
+        message = last_line(log, begin)
+    return code, message, "out of memory" in message.lower()
+
+
 def accepted(job, code, output):
     """Findings of doctor are no failure of the job: they are in its file and in the report."""
     if code != 0 and not (job.given.rule == "doctor" and code == 1):
@@ -186,20 +212,21 @@ def run(job, words, output, log):
 
 
 def perform(job, log):
+    """Exit code and message of the job, and whether it ran out of memory."""
     before = records.read(job.failure)
     if job.given.attempt > 1 and before.get("exit_code") == BAD_INPUT:
-        return BAD_INPUT, before["message"]  # more memory does not change the input
+        return BAD_INPUT, before["message"], False  # more memory does not change the input
     job.record(None, UNFINISHED)
     job.forget()
     words, output = job.words(before)
     os.makedirs(os.path.dirname(output), exist_ok=True)
     part = output + ".part"
     begin = os.fstat(log.fileno()).st_size
-    started = time.monotonic()
+    started, kills = time.monotonic(), kills_for_memory()
     code = run(job, words, part, log)
     if not accepted(job, code, part):
         os.remove(part)
-        return code or FAILED, last_line(job.log, begin)
+        return failure_of(code or FAILED, kills_for_memory() > kills, job.log, begin)
     if job.given.rule != "report":  # the report adds them up
         more = {"job_seconds": round(time.monotonic() - started, 3)}
         if job.given.rule == "evaluate":
@@ -208,7 +235,7 @@ def perform(job, log):
             more["asked_windows"] = job.batch.windows
         records.write(part, {**records.read(part), **more})
     os.replace(part, output)
-    return 0, ""
+    return 0, "", False
 
 
 def main():
@@ -225,14 +252,15 @@ def main():
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
             signal.signal(number, lambda *_: None)
         try:
-            code, message = perform(job, log)
+            failure = perform(job, log)
         except Exception as error:  # a full disk, a file that is not what it was
-            code, message = FAILED, f"{type(error).__name__}: {error}"
+            failure = FAILED, f"{type(error).__name__}: {error}", False
+        code, message, _ = failure
         if code == 0:
             os.remove(job.failure)
         else:
             print(f"{job.name}: {message}", file=sys.stderr)
-            job.record(code, message)
+            job.record(*failure)
             print(time.strftime("%F %T"), "exit", code, message, file=log, flush=True)
     return code
 

@@ -2,7 +2,6 @@
 or goes on, `tessera train --resume=auto` decides."""
 import hashlib
 import os
-import re
 
 import records
 from settings import dashed
@@ -20,12 +19,6 @@ def digest(scene):
             with open(os.path.join(scene, name), "rb") as file:
                 value.update(file.read())
     return value.hexdigest()
-
-
-def died_of_memory(failure, slurm_state):
-    """`failure`: record of the attempt before; SIGKILL of the program alone is the kernel's doing."""
-    return (failure.get("exit_code") == 137 or slurm_state == "OUT_OF_MEMORY" or
-            re.search("out of memory", failure.get("message", ""), re.I) is not None)
 
 
 def smaller(run, forecast):
