@@ -41,8 +41,14 @@ void add_sampled(const std::vector<uint8_t>& bytes, Fnv1a& hash) {
   for (size_t i = 0; i < bytes.size(); i += kApart) hash.add(&bytes[i], 1);
 }
 
-/// Tells scenes apart on resume: names, times, sizes, cameras and masks of the frames, the images
-/// that are trained on, and the points.
+/// Whether the frames in memory are those of the files, on black.
+bool is_as_filed(const Scene& scene, const TrainOptions& options) {
+  const bool on_black = scene.background == std::array<uint8_t, 3>{0, 0, 0};
+  return options.train_scale == 1 && (on_black || !scene.had_alpha);
+}
+
+}  // namespace
+
 std::string scene_fingerprint(const Scene& scene) {
   Fnv1a hash;
   for (const Frame& frame : scene.frames) {
@@ -63,14 +69,6 @@ std::string scene_fingerprint(const Scene& scene) {
   add_values(scene.points.velocity, hash);
   return hash.hex();
 }
-
-/// Whether the frames in memory are those of the files, on black.
-bool is_as_filed(const Scene& scene, const TrainOptions& options) {
-  const bool on_black = scene.background == std::array<uint8_t, 3>{0, 0, 0};
-  return options.train_scale == 1 && (on_black || !scene.had_alpha);
-}
-
-}  // namespace
 
 std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run) {
   const std::string root = run.root.string();
@@ -116,7 +114,6 @@ json make_config(const TrainRequest& request, const PlannedOptions& planned, con
                  {"ablation", request.ablation.empty() ? json(nullptr) : json(request.ablation)},
                  {"options", to_json(options)},
                  {"scene", std::filesystem::absolute(request.scene).string()},
-                 {"scene_fingerprint", scene_fingerprint(scene)},
                  {"train_frames", scene.split_indices(Split::kTrain).size()},
                  {"validation_frames", scene.split_indices(Split::kValidation).size()},
                  {"device", device},

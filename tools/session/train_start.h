@@ -57,6 +57,11 @@ std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunF
 /// Whether `run` holds a checkpoint of the begun training of `request`: of these options.
 bool can_resume(const TrainRequest& request, const RunFolder& run);
 
+/// Tells scenes apart on resume, as they are loaded: names, times, sizes, cameras and masks of the
+/// frames, the images that are trained on, and the points. A cloud that the training makes is none
+/// of them, as a resumed one makes none.
+std::string scene_fingerprint(const Scene& scene);
+
 /// config.json: versions, options, scene, device.
 nlohmann::json make_config(const TrainRequest& request, const PlannedOptions& planned,
                            const Scene& scene, const std::string& device);

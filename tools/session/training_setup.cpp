@@ -153,11 +153,13 @@ void complete_setup(TrainingSetup& setup, const TrainRequest& request, const Run
   setup.validation_views =
       hold_out_validation(setup.scene, options.validation_share, uint64_t(options.seed));
   wall.time(WallSplit::kInit, [&] {
+    const std::string fingerprint = scene_fingerprint(setup.scene);
     if (setup.choice.leaves_cuda_unused()) observer.on_cuda_unused(setup.choice.reason);
     if (!setup.previous || options.motion == Motion::kAuto)
       complete_by_images(setup, request, kShareOfMotion * seconds, wall, observer, warn);
     setup.config =
         make_config(request, {options, setup.with_nodes}, setup.scene, setup.backend->name());
+    setup.config["scene_fingerprint"] = fingerprint;
     json& asked = setup.config["asked_options"] =
         setup.previous ? provenance(setup).value("asked_options", json())
                        : to_json(request.options);
