@@ -16,8 +16,8 @@ import zlib
 import numpy as np
 
 VERSION = 3
-MIN_MARGINAL = 0.05  # of exp(-z²/2): below it a dynamic Gaussian is not drawn
-MIN_OPACITY = 1 / 255
+MIN_MARGINAL, MIN_OPACITY = 0.05, 1 / 255  # of exp(-z²/2) and of opacity: below, nothing is drawn
+GREY = 0.5 / 0.28209479177387814 * np.eye(16, 1)  # sh of what a colour has beside its own sh: 0.5
 
 
 class Scene:
@@ -43,16 +43,16 @@ class Scene:
             self.blocks.append((block, {s["name"]: stream(s, content[head:]) for s in listed}))
 
     def at(self, t):
-        windows, drawn, tau = self.manifest.get("windows", []), None, t
+        windows, drawn, tau, light = self.manifest.get("windows", []), None, t, 1
         for i, window in enumerate(windows):
             if i == 0 or window["drawn"][0] <= t:  # the last that has begun
                 low, high = window["time"]
-                drawn, tau = i, (t - low) / (high - low)
-        parts = [gaussians(block, streams, self.manifest["anchor"], tau) for block, streams in self.blocks
-                 if block["visible"][0] <= t <= block["visible"][1] and block.get("window", drawn) == drawn]
-        empty = {"mean": np.zeros((0, 3)), "rotation": np.zeros((0, 4)), "scale": np.zeros((0, 3)),
-                 "opacity": np.zeros(0), "sh": np.zeros((0, 16, 3))}
-        return {key: np.concatenate([empty[key], *[part[key] for part in parts]]) for key in empty}
+                drawn, tau, light = i, (t - low) / (high - low), window.get("light", 1)
+        parts = [gaussians(block, s, self.manifest["anchor"], tau, 1 if "window" in block else light)
+                 for block, s in self.blocks if block["visible"][0] <= t <= block["visible"][1]
+                 and block.get("window", drawn) == drawn]
+        shapes = {"mean": (0, 3), "rotation": (0, 4), "scale": (0, 3), "opacity": (0,), "sh": (0, 16, 3)}
+        return {k: np.concatenate([np.zeros(shapes[k]), *[p[k] for p in parts]]) for k in shapes}
 
 
 def stream(info, block):
@@ -95,8 +95,8 @@ def harmonics(s, count):
     return sh
 
 
-def gaussians(block, s, anchor, t):
-    """Those of a block that are drawn at t."""
+def gaussians(block, s, anchor, t, light):
+    """Those of a block that are drawn at t, in a light."""
     count = block["count"]
     opacity = s["opacity"] if "opacity" in s else 1 / (1 + np.exp(-s["opacity_logit"]))
     opacity, mean, rotation = opacity[:, 0], s["position"], rotations(s)
@@ -111,7 +111,7 @@ def gaussians(block, s, anchor, t):
         mean, rotation = carried(block, s, mean, rotation, t)
     drawn &= opacity >= MIN_OPACITY
     values = {"mean": mean, "rotation": rotation, "scale": np.exp(s["log_scale"]),
-              "opacity": opacity, "sh": harmonics(s, count)}
+              "opacity": opacity, "sh": (harmonics(s, count) + GREY) * light - GREY}
     return {key: value[drawn] for key, value in values.items()}
 
 

@@ -9,6 +9,7 @@
 
 #include "kernels/base/byte_medians.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/light_gain.h"
 #include "kernels/base/parallel.h"
 
 namespace tessera {
@@ -76,6 +77,19 @@ class PixelColours {
 void CameraBackground::add_quarter(const Images& images) {
   check(!images.empty() && int64_t(images.size()) <= kMostOfQuarter,
         "CameraBackground: 1 to 31 images of a quarter");
+  if (light_.empty()) light_ = lower_medians(images);
+  Images in_one_light;
+  std::vector<std::vector<uint8_t>> changed;
+  changed.reserve(images.size());
+  for (const std::vector<uint8_t>* image : images) {
+    const LightGain gain = light_gain(*image, light_);
+    if (gain != kSameLight) changed.push_back(times_light(*image, inverse(gain)));
+    in_one_light.push_back(gain == kSameLight ? image : &changed.back());
+  }
+  add_in_one_light(in_one_light);
+}
+
+void CameraBackground::add_in_one_light(const Images& images) {
   std::vector<uint8_t> background = lower_medians(images);
   const int most = still_limit(images, background);
   const auto count = int(images.size());

@@ -10,7 +10,7 @@ constexpr int64_t kMostOfQuarter = 31;  // images; four quarters are counted in 
 
 /// The background of a camera and where it is known: a pixel has one colour in all quarters of the
 /// clip, in at least 0.4 of the images, and in 0.2 of them more than any other. A colour is that of
-/// the images that differ by less than noise.
+/// the images that differ by less than noise, all in the light of the first quarter.
 class CameraBackground {
  public:
   using Images = std::vector<const std::vector<uint8_t>*>;  // RGB, 8 bits, of one size
@@ -24,7 +24,10 @@ class CameraBackground {
   bool stays(size_t pixel) const;
 
  private:
+  void add_in_one_light(const Images& images);
+
   std::vector<std::vector<uint8_t>> quarters_;  // RGB of each
+  std::vector<uint8_t> light_;                  // an image in the light of the first quarter
   std::vector<uint8_t> at_rest_;                // images that show it, by pixel
   std::vector<uint8_t> beside_;                 // images with the colour that is second
   int64_t count_ = 0;                           // images

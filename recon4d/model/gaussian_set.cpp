@@ -211,4 +211,17 @@ SetStatistics SetStatistics::clone_to(Memory& memory) const {
   return copy;
 }
 
+void apply_light(const LightGain& light, GaussianSet& set) {
+  check(set.time_levels() == 0, "apply_light: a set with levels of time");
+  const GaussianSpans<float> values = set.values();
+  const int width = set.width(kSh);
+  for (int64_t n = 0; n < set.count(); ++n) {
+    float* const sh = values.at(kSh, n);
+    for (int i = 0; i < width; ++i) {
+      const double factor = light[size_t(i % 3)], offset = i < 3 ? 0.5 / kSh0 : 0;
+      sh[i] = float((sh[i] + offset) * factor - offset);
+    }
+  }
+}
+
 }  // namespace tessera

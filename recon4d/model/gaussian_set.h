@@ -8,6 +8,7 @@
 #include "ingest/scene.h"
 #include "kernels/backend.h"
 #include "kernels/base/buffer.h"
+#include "kernels/base/light_gain.h"
 #include "kernels/drawing_rules.h"
 #include "kernels/gaussians.h"
 #include "kernels/math/bounds.h"
@@ -133,6 +134,10 @@ class GaussianSet {
   ShBlocks blocks_;
   std::array<ParameterGroup, kGroupCount> groups_;
 };
+
+/// Colours times the factors of a light, from all directions: of a set of one SH degree in the
+/// host's memory, without levels of time.
+void apply_light(const LightGain& light, GaussianSet& set);
 
 /// Light from beyond the scene: a map of directions (kernels/math/environment.h).
 struct EnvironmentLight {

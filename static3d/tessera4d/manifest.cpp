@@ -43,6 +43,9 @@ std::vector<FileWindow> windows_from(const CheckedObject& file) {
   for (const json& object : file.list("windows")) {
     const CheckedObject window(object, file.path(), "a window");
     windows.push_back({window.interval("time"), window.interval("drawn")});
+    if (!window.has("light")) continue;
+    const std::vector<double> light = window.numbers("light", 3);
+    std::copy(light.begin(), light.end(), windows.back().light.begin());
   }
   if (const std::string wrong = wrong_windows(windows); !wrong.empty()) file.fail(wrong);
   return windows;

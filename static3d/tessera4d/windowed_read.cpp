@@ -20,6 +20,7 @@ GaussianModel Tessera4dParts::load(int window) {
       [&](const BlockInfo& block) { return block.moving && std::max(block.window, 0) == window; },
       warnings_);
   model.static_set = fixed_->static_set.clone_values();
+  apply_light(windows_[size_t(window)].light, model.static_set);
   model.nodes = fixed_->nodes.clone_to(host_memory(), false);
   model.time_axis = window_axis(windows_[size_t(window)], clip());
   return model;

@@ -13,7 +13,9 @@ nlohmann::json list_of(const Interval& interval) {
 }
 
 nlohmann::json to_json(const FileWindow& window) {
-  return {{"time", list_of(window.time)}, {"drawn", list_of(window.drawn)}};
+  nlohmann::json object = {{"time", list_of(window.time)}, {"drawn", list_of(window.drawn)}};
+  if (window.light != kSameLight) object["light"] = window.light;
+  return object;
 }
 
 double window_time(const FileWindow& window, double t) {
@@ -40,12 +42,14 @@ std::string wrong_windows(const std::vector<FileWindow>& windows) {
   if (windows.empty()) return "has no windows";
   double end = 0;
   for (size_t i = 0; i < windows.size(); ++i) {
-    const auto& [time, drawn] = windows[i];
+    const auto& [time, drawn, light] = windows[i];
     if (!(drawn.low < drawn.high))
       return fmt::format("has an empty window {}, drawn from {} to {}", i, drawn.low, drawn.high);
     if (!(time.low <= drawn.low && drawn.high <= time.high))
       return fmt::format("has window {} drawn from {} to {}, outside of its time from {} to {}", i,
                          drawn.low, drawn.high, time.low, time.high);
+    if (std::any_of(light.begin(), light.end(), [](double f) { return !(f > 0 && f < 100); }))
+      return fmt::format("has window {} in a light that is not between 0 and 100", i);
     if (drawn.low != end)
       return fmt::format("has windows with {}: window {} begins at {}, expected {}",
                          drawn.low > end ? "a gap" : "an overlap", i, drawn.low, end);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ingest/scene.h"
+#include "kernels/base/light_gain.h"
 #include "recon4d/model/gaussian_set.h"
 
 namespace tessera {
@@ -20,9 +21,9 @@ nlohmann::json list_of(const Interval& interval);
 
 /// Both intervals in t of the whole clip.
 struct FileWindow {
-  Interval time;  // of its tau = 0 and tau = 1: what it was trained on
-  Interval
-      drawn;  // its core, within `time`: drawn where low <= t < high, the last one at 1 as well
+  Interval time;   // of its tau = 0 and tau = 1: what it was trained on
+  Interval drawn;  // its core, within `time`: where low <= t < high, the last one at 1, too
+  LightGain light = kSameLight;  // of static Gaussians while it is drawn
 };
 nlohmann::json to_json(const FileWindow& window);
 

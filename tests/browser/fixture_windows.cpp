@@ -32,7 +32,8 @@ GaussianModel in_time_of(const FileWindow& window, const GaussianModel& model) {
 
 void write_windows(const std::filesystem::path& folder, const GaussianModel& first,
                    const GaussianModel& second) {
-  const std::vector<FileWindow> windows = {{{0, 0.6}, {0, 0.5}}, {{0.4, 1}, {0.5, 1}}};
+  const std::vector<FileWindow> windows = {{{0, 0.6}, {0, 0.5}},
+                                           {{0.4, 1}, {0.5, 1}, {0.8, 0.9, 1.3}}};
   const std::filesystem::path file = folder / "few_windows.t4d";
   const ScratchFolder parts;
   WindowedWriter writer(parts.path(), first, first.time_axis, windows, {});

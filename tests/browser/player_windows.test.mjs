@@ -8,7 +8,7 @@ import {makeBlock, makeManifest, makeSingle, movingStreams, plainStreams} from
     './tessera4d_writer.mjs';
 import {bytesOf, evenWindows, joinWindows} from './windowed_file.mjs';
 
-const {BlockCache, blockHits, bytesSource, decodeBlock, ownTime, packBlock, readManifest,
+const {BlockCache, blockHits, bytesSource, decodeBlock, lightAt, ownTime, packBlock, readManifest,
        singleFileSource} =
     await playerModules('block_hits', 'blocks', 'container', 'manifest', 'packing', 'tessera4d',
                         'windows');
@@ -44,6 +44,8 @@ const kManifests = {
   'no head': [(m) => { delete m.blocks[0].head; }, /head should be an integer from 1/],
   'a head beyond its block':
     [(m) => { m.blocks[0].head = m.blocks[0].bytes + 1; }, /head should be an integer from 1/],
+  'a light of two colours': [(m) => { m.windows[1].light = [1, 1]; }, /windows\[1\]\.light should be 3 numbers/],
+  'no light': [(m) => { m.windows[1].light = [1, 0, 1]; }, /light should be 3 numbers between 0 and 100/],
   'no peak': [(m) => { delete m.gaussians.peak; }, /gaussians\.peak should be/],
 };
 
@@ -151,6 +153,15 @@ test('visible ends where its window does', () => {
   const i = manifest.blocks.findIndex(({window}) => window === 1);
   manifest.blocks[i].visible = [0, 1];
   assert.deepEqual(read(manifest).blocks[i].visible, [0.25, 0.5]);
+});
+
+// Bugs put back, each seen to fail: the light of the window before; that of a window for all.
+test('static Gaussians are in the light of the window that is drawn', () => {
+  const {windows} = read(file(4).manifest);
+  for (const [t, expected] of [[0, [1, 1, 1]], [0.25, [0.6, 0.8, 1.2]], [0.5 - 1e-9, [0.6, 0.8, 1.2]],
+                               [0.5, [1, 1, 1]], [1, [0.6, 0.8, 1.2]]])
+    assert.deepEqual(lightAt(windows, t), expected, `t = ${t}`);
+  assert.deepEqual(lightAt([], 0.5), [1, 1, 1]);
 });
 
 // Bug put back: t in the place of tau; seen to fail.

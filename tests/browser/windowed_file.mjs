@@ -22,6 +22,17 @@ function tinted(streams, tint) {
   });
 }
 
+/** Streams whose colours, 0.5 + Y_0 c + …, are those of `streams` times a light. */
+function lit(streams, light) {
+  const grey = 0.5 / 0.28209479177387814;
+  const times = (values, offset) => values.map((v, k) => (v + offset) * light[k % 3] - offset);
+  return streams.map((stream) => {
+    const offset = stream.name === 'colour' ? grey : 0;
+    if (!light || !(offset || /^sh\d$/.test(stream.name))) return stream;
+    return {...stream, bias: times(stream.bias, offset), scale: times(stream.scale, 0)};
+  });
+}
+
 /** The block with its head, and its entry. */
 function withHead({info, bytes}, tint, more) {
   const head = Buffer.from(JSON.stringify({streams: tinted(info.streams, tint)}));
@@ -42,7 +53,7 @@ function blocksOfWindow({entries}, {time: [lo, hi], drawn, tint}, i) {
 }
 
 /**
- * A file of `windows` [{time, drawn, tint}], each of which plays `clip` (of readFolder) in its own
+ * A file of `windows` [{time, drawn, tint, light}], each of which plays `clip` (of readFolder) in its own
  * time, over the static blocks of the clip. Returns {manifest, blocks} whose offsets are set.
  */
 export function joinWindows(clip, windows, seconds) {
@@ -57,7 +68,7 @@ export function joinWindows(clip, windows, seconds) {
   const {dynamic, ...rest} = clip.manifest.gaussians;
   const manifest = {
     ...clip.manifest, version: 3, time: {origin: 0, duration: seconds, fps: 25},
-    windows: windows.map(({time, drawn}) => ({time, drawn})),
+    windows: windows.map(({time, drawn, light}) => ({time, drawn, light})),
     gaussians: {...rest, dynamic: dynamic * windows.length, peak: rest.static + dynamic},
     blocks: blocks.map(({info}) => info),
   };
@@ -71,6 +82,7 @@ export function evenWindows(count, length = 5, overlap = 0.5) {
     time: [Math.max(0, i * length - overlap) / seconds,
            Math.min(seconds, (i + 1) * length + overlap) / seconds],
     drawn: [i / count, (i + 1) / count],
+    light: i % 2 ? [0.6, 0.8, 1.2] : undefined,
     tint: [0, 1, 2].map((c) => Math.cos(2 * Math.PI * (c / 3 + i * 0.618034))),
   }));
 }
@@ -95,10 +107,10 @@ export function writeFolder({manifest, blocks}, folder) {
 }
 
 /** Window `window` alone as a single file of version 1, tinted alike: t is the window's tau. */
-export function windowAlone(clip, {tint}) {
+export function windowAlone(clip, {tint, light}) {
   let offset = 0;
   const blocks = clip.entries.map(({info: {file, ...info}, bytes}) => {
-    const streams = tinted(info.streams, info.kind === 'dynamic' ? tint : null);
+    const streams = info.kind === 'dynamic' ? tinted(info.streams, tint) : lit(info.streams, light);
     const place = offset;
     offset += bytes.length;
     return {bytes, info: {...info, offset: place, streams}};

@@ -134,9 +134,12 @@ class WindowsExport {
   }
 
   Tessera4dWritten write_file(const fs::path& blocks, const GaussianModel& fixed) {
+    const auto count = int64_t(plan_.windows.size());
+    for (int64_t i = 0; i < count; ++i)
+      plan_.windows[size_t(i)].light =
+          RunFolder{folder_.window_run(i)}.read_config().value("light", kSameLight);
     WindowedWriter writer(blocks, fixed, plan_.clip, plan_.windows, options_of(fixed));
     ProgressBar bar("export");
-    const auto count = int64_t(plan_.windows.size());
     for (int64_t i = 0; i < count; ++i) {
       stop_if_interrupted();
       writer.add(int(i), exported_model(folder_.window_run(i), request_.keep_world));
@@ -166,7 +169,7 @@ class WindowsExport {
 
   const ExportRequest& request_;
   const WindowsFolder& folder_;
-  const WindowsPlan plan_;
+  WindowsPlan plan_;
 };
 
 }  // namespace

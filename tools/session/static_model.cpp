@@ -4,11 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
 #include "ingest/prepared/scene_reader.h"
+#include "kernels/base/byte_medians.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/median.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/frame_cache.h"
@@ -46,6 +50,22 @@ std::vector<Frame> read_stills(const RunFolder& folder, const TrainOptions& opti
         fmt::format("{}: was trained on {}, which is not what stands still in a clip; {}",
                     folder.root.string(), path.string(), kRemedy));
   return scaled_scene(std::move(scene), options.train_scale).frames;
+}
+
+/// Of a camera, as it was learnt with the static set; 1 where none was.
+LightGain learnt_gain(const StaticModel& shared, const std::string& camera) {
+  if (!shared.exposure.is_object()) return kSameLight;
+  return shared.exposure.value("gains", nlohmann::json::object()).value(camera, kSameLight);
+}
+
+/// The median of up to nine frames, spread over the window; empty where none has pixels.
+std::vector<uint8_t> median_of(const std::vector<const Frame*>& frames) {
+  constexpr int64_t kMost = 9;
+  const auto total = int64_t(frames.size()), count = std::min(kMost, total);
+  std::vector<const std::vector<uint8_t>*> images;
+  for (int64_t i = 0; i < count; ++i)
+    images.push_back(&frames[size_t(even_spread(i, count, total))]->image.data);
+  return images.empty() ? std::vector<uint8_t>{} : lower_medians(images);
 }
 
 }  // namespace
@@ -101,10 +121,51 @@ void check_world(const StaticModel& shared, const Scene& scene) {
                   shared.run.string(), scene.path));
 }
 
+void adopt_light(const Scene& scene, StaticModel& shared, TrainOptions& options) {
+  constexpr double kLeastOfCamera = 0.03;
+  std::map<std::string, std::vector<const Frame*>> frames;
+  for (const Frame& frame : scene.frames)
+    if (!frame.image.data.empty()) frames[frame.camera_name].push_back(&frame);
+  LightGain sum = {0, 0, 0}, weights = {0, 0, 0};
+  for (Frame& still : shared.stills) {
+    const std::vector<uint8_t> median = median_of(frames[still.camera_name]);
+    if (median.size() != still.image.data.size()) continue;  // a held-out camera without pixels
+    const LightGain gain = light_gain(median, still.image.data);
+    still.image.data = times_light(still.image.data, gain);
+    if (still.split != Split::kTrain) continue;
+    shared.of_camera[still.camera_name] = gain;
+    const LightGain learnt = learnt_gain(shared, still.camera_name);
+    for (size_t c = 0; c < 3; ++c) {
+      sum[c] += learnt[c] * gain[c];
+      weights[c] += learnt[c];
+    }
+  }
+  for (size_t c = 0; c < 3; ++c) shared.light[c] = weights[c] > 0 ? sum[c] / weights[c] : 1;
+  if (is_same(shared.light)) shared.light = kSameLight;
+  for (auto& [name, gain] : shared.of_camera)
+    for (size_t c = 0; c < 3; ++c) {
+      gain[c] /= shared.light[c];
+      if (options.exposure == ExposureGains::kNone && std::abs(gain[c] - 1) > kLeastOfCamera)
+        options.exposure = ExposureGains::kCamera;
+    }
+  apply_light(shared.light, shared.model.static_set);
+}
+
 ExposureState shared_exposure(const StaticModel& shared, const Scene& scene,
                               const TrainOptions& options) {
-  return exposure_of_json(shared.exposure, exposure_rows(scene, training_frames(scene), options),
-                          options, RunFolder{shared.run}.exposure().string());
+  const ExposureRows rows = exposure_rows(scene, training_frames(scene), options);
+  ExposureState state;
+  if (shared.exposure.is_object())
+    state =
+        exposure_of_json(shared.exposure, rows, options, RunFolder{shared.run}.exposure().string());
+  else
+    state.reset(int64_t(rows.names.size()), exposure_width(options.exposure));
+  if (state.width() != 3) return state;  // affine maps stay as they are
+  for (size_t row = 0; row < rows.names.size(); ++row)
+    if (const auto found = shared.of_camera.find(rows.names[row]); found != shared.of_camera.end())
+      for (size_t c = 0; c < 3; ++c)
+        state.value[int64_t(3 * row + c)] += float(std::log(found->second[c]));
+  return state;
 }
 
 std::string static_model_digest(const std::filesystem::path& run) {

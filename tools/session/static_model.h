@@ -2,11 +2,13 @@
 // how it is drawn, the colours of the training images, and the images of what stands still.
 #pragma once
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "ingest/scene.h"
+#include "kernels/base/light_gain.h"
 #include "recon4d/model/exposure.h"
 #include "recon4d/model/gaussian_set.h"
 #include "recon4d/options/train_options.h"
@@ -15,10 +17,13 @@ namespace tessera {
 
 struct StaticModel {
   std::filesystem::path run;
-  GaussianModel model;        // static Gaussians alone
-  TrainOptions options;       // of its training, as it settled them
-  nlohmann::json exposure;    // of exposure_json; null: nothing was learnt
-  std::vector<Frame> stills;  // [cameras] of its scene, at the size of the training
+  GaussianModel model;           // static Gaussians alone
+  TrainOptions options;          // of its training, as it settled them
+  nlohmann::json exposure;       // of exposure_json; null: nothing was learnt
+  std::vector<Frame> stills;     // [cameras] of its scene, at the size of the training
+  LightGain light = kSameLight;  // of a window, by that of the background; both are in it then
+  std::map<std::string, LightGain>
+      of_camera;  // by `light`: a training camera's own, as by its exposure
 };
 
 /// `run`: the folder of a finished training on a scene of `tessera unpack --static`. Errors:
@@ -34,7 +39,13 @@ void adopt_rules(const StaticModel& shared, TrainOptions& options);
 /// Errors: InputError: the static set is of another world than `scene`.
 void check_world(const StaticModel& shared, const Scene& scene);
 
-/// The colours of the training images of `scene` as the static set has them. Errors: InputError: a
+/// Puts the static set and its images into the light of the window `scene`: the mean of its
+/// training cameras, by the medians of their frames. Cameras whose own light differs by more than 3
+/// % get gains where the static set has none.
+void adopt_light(const Scene& scene, StaticModel& shared, TrainOptions& options);
+
+/// The colours of the training images of `scene` as the static set has them, in the light of each
+/// camera. Errors: InputError: a
 /// camera that it does not know.
 ExposureState shared_exposure(const StaticModel& shared, const Scene& scene,
                               const TrainOptions& options);

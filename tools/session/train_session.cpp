@@ -261,6 +261,10 @@ class Session {
   }
 
   void write_results() {
+    if (trainer_->state().iteration > first_) {  // scores are those of another model then
+      std::error_code ignored;
+      std::filesystem::remove(writer_.folder().metrics(), ignored);
+    }
     writer_.write_model(model());
     const ExposureState& exposure = trainer_->state().exposure;
     if (exposure.rows() > 0)

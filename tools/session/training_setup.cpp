@@ -3,6 +3,7 @@
 #include "tools/session/training_setup.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <exception>
 #include <future>
@@ -85,8 +86,9 @@ void share_static(TrainingSetup& setup, const TrainRequest& request) {
   if (request.static_model.empty()) return;
   setup.shared = load_static_model(request.static_model);
   check_world(*setup.shared, setup.scene);
-  setup.scene.stills = setup.shared->stills;
   if (!setup.previous) adopt_rules(*setup.shared, setup.options);
+  adopt_light(setup.scene, *setup.shared, setup.options);
+  setup.scene.stills = setup.shared->stills;
 }
 
 /// The device starts while the scene is read. What is wrong with the scene is said first.
@@ -149,6 +151,9 @@ void complete_setup(TrainingSetup& setup, const TrainRequest& request, const Run
   TrainOptions& options = setup.options;
   load_beside_device(setup, request, wall);
   wall.time(WallSplit::kLoad, [&] { share_static(setup, request); });
+  if (setup.shared && setup.shared->light != kSameLight)
+    observer.on_message(fmt::format("light: {:.2f} of that of the background (red, green, blue)",
+                                    fmt::join(setup.shared->light, ", ")));
   for (const std::string& warning : training_warnings(setup.scene, options)) warn(warning);
   setup.validation_views =
       hold_out_validation(setup.scene, options.validation_share, uint64_t(options.seed));
@@ -160,6 +165,8 @@ void complete_setup(TrainingSetup& setup, const TrainRequest& request, const Run
     setup.config =
         make_config(request, {options, setup.with_nodes}, setup.scene, setup.backend->name());
     setup.config["scene_fingerprint"] = fingerprint;
+    if (setup.shared && setup.shared->light != kSameLight)
+      setup.config["light"] = setup.shared->light;
     json& asked = setup.config["asked_options"] =
         setup.previous ? provenance(setup).value("asked_options", json())
                        : to_json(request.options);

@@ -122,7 +122,8 @@ void WindowsFolder::write(const WindowsPlan& plan) const {
 void WindowsFolder::remove() const {
   if (!exists()) return;
   std::error_code ignored;
-  for (const fs::path& part : {plan_file(), static_scene(), static_run(), root / "windows"})
+  for (const fs::path& part :
+       {plan_file(), static_scene(), static_run(), root / "windows", RunFolder{root}.metrics()})
     fs::remove_all(part, ignored);
 }
 

@@ -222,6 +222,28 @@ TEST_F(AStaticScene, LeavesOutWhatMovesInTimeWithTheChosenImages) {
     }
 }
 
+// Light that changes over all of an image is no movement; the background is in that of the first
+// quarter. Bugs put back, each seen to fail: images that are compared as they are.
+TEST_F(AStaticScene, IsInOneLight) {
+  const auto light_of = [](int i) { return (i < kMoments / 2 ? 1.0 : 0.8) + 0.05 * (i % 2); };
+  for (int i = 0; i < kMoments; ++i)
+    for (int c = 0; c < 2; ++c) {
+      Image8 image = image_of(i);
+      for (size_t v = 0; v < image.data.size(); ++v)
+        image.data[v] = uint8_t(std::min(255.0, image.data[v] * light_of(i) * (v % 3 ? 1 : 0.9)));
+      write_png(folder_ / fmt::format("scene/cam{:02}/{:05}.png", c, i), image);
+    }
+  const StaticSceneReport report = make();
+  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_GT(report.shared, 0.9);
+  for (const Frame& frame : read().frames)
+    for (int y = 4; y < 11; ++y)
+      for (int x = 1; x < kWidth; ++x) {
+        EXPECT_FALSE(frame.mask.ignores(x, y)) << x << " " << y;
+        EXPECT_NEAR(frame.image.data[3 * size_t(y * kWidth + x) + 2], 1.02 * wall(x, y), 5);
+      }
+}
+
 // Bug put back: points that move; seen to fail. Finds also: points that no image shows; times of
 // points, which a static cloud lacks.
 TEST_F(AStaticScene, HasThePointsThatStandStillAndAreShown) {
@@ -237,7 +259,8 @@ TEST_F(AStaticScene, HasThePointsThatStandStillAndAreShown) {
 TEST_F(AStaticScene, IsRefusedOrWarnedOfWhereThereIsNone) {
   for (int i = 0; i < kMoments; ++i) {
     Image8 image = image_of(i);
-    for (uint8_t& value : image.data) value = uint8_t(value * (kMoments - i / 2) / kMoments);
+    for (size_t v = 0; v < image.data.size(); ++v)  // a shadow that moves on
+      image.data[v] = uint8_t(image.data[v] * (int(v / 3) % kWidth < i / 3 ? 0.7 : 1));
     write_png(folder_ / fmt::format("scene/cam00/{:05}.png", i), image);
     write_png(folder_ / fmt::format("scene/cam01/{:05}.png", i), image);
   }

@@ -12,7 +12,7 @@ import { memoryBudget } from "./memory_budget";
 import type { Hit, Ray } from "./pick";
 import type { OnProgress, Play, SceneInfo } from "./scene_view";
 import { BlockSplats, eyeUniform, SliceUniforms } from "./splat4d_shader";
-import { ownTime } from "./windows";
+import { lightAt, ownTime } from "./windows";
 
 const MOST_SH_DEGREE = 3;
 
@@ -90,6 +90,7 @@ export class BlocksContent implements Content {
     this.shown = names;
     if (!moved && !seen && !changed) return false;
     this.eyePlace.value.set(...this.eye());
+    this.slices[this.slices.length - 1].light.value.set(...lightAt(this.source.manifest.windows, t));
     present.forEach((block, k) => {
       block.pose(this.timeOf(indices[k], t));
       block.updateVersion();

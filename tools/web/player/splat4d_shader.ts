@@ -17,6 +17,9 @@ export class SliceUniforms {
   /** their time; 1 where the anchor is clamped to the clip; least opacity that is drawn; highest SH degree */
   readonly when = new dyno.DynoVec4({ value: new THREE.Vector4(0, 1, 1 / 255, 3), key: "when" });
 
+  /** factors of all colours */
+  readonly light = new dyno.DynoVec3({ value: new THREE.Vector3(1, 1, 1), key: "light" });
+
   constructor(readonly eye: ReturnType<typeof eyeUniform>) {}
 }
 
@@ -111,7 +114,7 @@ if (alpha > 0.0 && alpha >= ${i.when}.z) {
   ${splat}.center = mean;
   ${splat}.scales = exp(vec3(unpackHalf2x16(look.z), scaleTime.x));
   ${splat}.quaternion = rotation;
-  ${splat}.rgba = vec4(max(colour, 0.0), alpha);
+  ${splat}.rgba = vec4(max(colour, 0.0) * ${i.light}, alpha);
 }`;
 }
 
@@ -170,6 +173,7 @@ export class BlockSplats extends SplatGenerator {
       carried: dyno.dynoBool(packed.nodes !== null, "carried"),
       when: slice.when,
       eye: slice.eye,
+      light: slice.light,
     };
     const transform = new SplatTransformer(); // of the object in the scene
     this.frameUpdate = () => {
@@ -195,6 +199,7 @@ export class BlockSplats extends SplatGenerator {
             carried: "bool",
             when: "vec4",
             eye: "vec3",
+            light: "vec3",
           },
           outTypes: { gsplat: dyno.Gsplat },
           inputs: { index, ...uniforms },

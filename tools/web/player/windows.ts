@@ -2,12 +2,14 @@
 // neighbours', and is drawn in its core alone; the cores tile the clip. Gaussians of a window are in
 // its own time tau. Source: docs/reference/tessera4d.md.
 import type { Fields } from "./json_fields";
+import type { Triple } from "./manifest";
 
 export const WINDOWS_VERSION = 3; // of files that have windows
 
 export interface Window {
   time: [number, number]; // t of the clip where tau is 0 and 1
   drawn: [number, number]; // t of the clip: the core, without its end
+  light: Triple; // factors of the colours of static Gaussians while it is drawn
 }
 
 function readSpan(f: Fields, name: string): [number, number] {
@@ -21,7 +23,10 @@ function readOne(f: Fields): Window {
   const drawn = readSpan(f, "drawn");
   if (drawn[0] < time[0] || drawn[1] > time[1])
     throw f.wrong("drawn", `within time (${time.join(" to ")})`, drawn);
-  return { time, drawn };
+  const light: Triple = f.has("light") ? f.triple("light") : [1, 1, 1];
+  if (!light.every((factor) => factor > 0 && factor < 100))
+    throw f.wrong("light", "3 numbers between 0 and 100", light);
+  return { time, drawn, light };
 }
 
 /** Of a file of version 3. Throws PlayerError unless their cores tile 0 to 1. */
@@ -43,6 +48,11 @@ export function readWindows(f: Fields): Window[] {
 export function drawnSpan(windows: readonly Window[], i: number): [number, number] {
   const [from, to] = windows[i].drawn;
   return [from, i + 1 === windows.length ? Infinity : to];
+}
+
+/** Of static Gaussians at t of the clip. */
+export function lightAt(windows: readonly Window[], t: number): Triple {
+  return windows.filter(({ drawn }, i) => i === 0 || drawn[0] <= t).at(-1)?.light ?? [1, 1, 1];
 }
 
 /** The time of the Gaussians of a block at t of the clip: tau of its window, or t itself. */
