@@ -10,15 +10,16 @@
 namespace tessera {
 namespace {
 
-constexpr size_t kPixels = 20000;           // that are looked at
-constexpr size_t kLeastPixels = 100;        // that tell
+constexpr size_t kPixels = 20000;            // that are looked at
+constexpr size_t kLeastPixels = 100;         // that tell
 constexpr uint8_t kDark = 16, kWhite = 245;  // 8-bit values, beyond which a ratio says little
 constexpr double kLeastChange = 0.01;
 
 }  // namespace
 
 LightGain light_gain(const std::vector<uint8_t>& image, const std::vector<uint8_t>& reference) {
-  check(image.size() == reference.size() && image.size() % 3 == 0, "light_gain: images of one size");
+  check(image.size() == reference.size() && image.size() % 3 == 0,
+        "light_gain: images of one size");
   const size_t pixels = image.size() / 3, apart = std::max<size_t>(1, pixels / kPixels);
   const auto tells = [](uint8_t value) { return value >= kDark && value <= kWhite; };
   LightGain gain = kSameLight;

@@ -298,6 +298,10 @@ int evaluate_command(const EvaluateRequest& request) {
     std::string lines;
     Lpips* const network = lpips ? &*lpips : nullptr;
     const WindowsFolder windows = windows_folder_of(model);
+    if (const std::string changed =
+            changed_scene(windows.exists() ? windows.window_run(0) : fs::path(model));
+        request.scene.empty() && !changed.empty())
+      warn(changed);
     runs.push_back(windows.exists() ? evaluate_clip(request, windows, network, *backend, lines)
                                     : evaluate_model(request, model, network, *backend, lines));
     text += several ? fmt::format("{}\n{}\n", model, lines) : lines;

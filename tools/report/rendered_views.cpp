@@ -52,6 +52,9 @@ RenderedViews::RenderedViews(const fs::path& run,
     if (scene_.empty() || !fs::exists(scene_))
       throw InputError("The scene of this run is gone, so that no view can be rendered.");
   }
+  const fs::path trained = parts_.empty() ? root_ : windows_.window_run(0);
+  if (const std::string changed = changed_scene(trained); !changed.empty())
+    throw InputError(changed);
   backend_ = backend();
   if (parts_.empty()) load(root_);
 }

@@ -7,6 +7,7 @@
 #include <regex>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -107,6 +108,8 @@ std::string moved_scene(const std::filesystem::path& run, const std::filesystem:
     bool fits;
     std::filesystem::path place;
   } known[] = {{root.filename() == "run", above / "scene"},
+               {root.filename().string().starts_with("seed-"),  // of a batch
+                above.parent_path().parent_path().parent_path() / "scenes" / scene.filename()},
                {root.filename() == "static", above / "static_scene"},
                {above.filename() == "windows", above.parent_path().parent_path() / "scene"}};
   for (const auto& [fits, place] : known)
@@ -116,10 +119,35 @@ std::string moved_scene(const std::filesystem::path& run, const std::filesystem:
   return "";
 }
 
+namespace {
+
+/// By the hash of its transforms.json, which runs of earlier versions do not have.
+bool is_as_trained(const RunFolder& run, const std::filesystem::path& scene) {
+  const std::string hash = run.read_config().value("scene_hash", "");
+  const std::filesystem::path file = scene / "transforms.json";
+  return hash.empty() || (std::filesystem::exists(file) && source_hash(file) == hash);
+}
+
+}  // namespace
+
 std::string scene_of_model(const std::filesystem::path& model) {
   const RunFolder run = run_of_model(model);
   const std::string scene = run.scene();
-  return scene.empty() || std::filesystem::exists(scene) ? scene : moved_scene(run.root, scene);
+  if (scene.empty()) return "";
+  const bool is_there = std::filesystem::exists(scene);
+  if (is_there && is_as_trained(run, scene)) return scene;
+  const std::string moved = moved_scene(run.root, scene);
+  return is_there && (moved.empty() || !is_as_trained(run, moved)) ? scene : moved;
+}
+
+std::string changed_scene(const std::filesystem::path& model) {
+  const RunFolder run = run_of_model(model);
+  const std::string scene = scene_of_model(model);
+  if (scene.empty() || is_as_trained(run, scene)) return "";
+  return fmt::format(
+      "{}: was prepared again since {} was trained on it, and may hold out other cameras or have "
+      "another size; train again, or pass the scene as it was by --scene",
+      scene, run.root.string());
 }
 
 std::optional<Window> core_of_model(const std::filesystem::path& model,

@@ -56,9 +56,13 @@ std::filesystem::path run_folder_of(const std::filesystem::path& path);
 std::string moved_scene(const std::filesystem::path& run, const std::filesystem::path& scene);
 
 /// The scene that a model was trained on: `model` is a run folder, an OUT of `tessera run`, or lies
-/// in a run folder. Where the scene that config.json names is gone, e.g. because OUT was moved, the
-/// scene in OUT. "" where no run names one, or both are gone.
+/// in a run folder. Where the scene that config.json names is gone or is another one by now, e.g.
+/// because OUT was moved and made again, the scene in OUT. "" where no run names one, or both are
+/// gone.
 std::string scene_of_model(const std::filesystem::path& model);
+
+/// A line where that scene is not as it was trained on: it may hold out other cameras. "" else.
+std::string changed_scene(const std::filesystem::path& model);
 
 /// The core of the window that such a model was trained on, where `scene` is its scene.
 std::optional<Window> core_of_model(const std::filesystem::path& model,

@@ -119,6 +119,8 @@ json make_config(const TrainRequest& request, const PlannedOptions& planned, con
                  {"device", device},
                  {"seed", options.seed},
                  {"made_for", request.made_for}};
+  if (const auto file = request.scene / "transforms.json"; std::filesystem::exists(file))
+    config["scene_hash"] = source_hash(file);
   if (request.window) config["window"] = text_of(*request.window);
   if (!request.static_model.empty())
     config["static_model"] = {{"run", std::filesystem::absolute(request.static_model).string()},

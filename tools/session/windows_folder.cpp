@@ -140,6 +140,7 @@ std::vector<int64_t> WindowsFolder::missing(const WindowsPlan& plan) const {
 }
 
 fs::path scene_of_windows(const WindowsFolder& folder, const WindowsPlan& plan) {
+  if (const std::string scene = scene_of_model(folder.window_run(0)); !scene.empty()) return scene;
   if (fs::exists(plan.scene)) return plan.scene;
   if (const std::string moved = moved_scene(folder.root, plan.scene); !moved.empty()) return moved;
   throw InputError(fmt::format("{}: its scene {} is gone; put it back there",

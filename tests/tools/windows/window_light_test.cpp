@@ -68,8 +68,8 @@ TEST(WindowLight, IsThatOfItsTrainingCameras) {
   EXPECT_EQ(options.exposure, ExposureGains::kNone);
   for (const Frame& still : shared.stills) {
     const bool held_out = still.split == Split::kTest;
-    const Frame lit = image_of("x", still.split, held_out ? LightGain{0.5, 0.5, 0.5}
-                                                          : LightGain{0.8, 0.9, 1.1});
+    const Frame lit =
+        image_of("x", still.split, held_out ? LightGain{0.5, 0.5, 0.5} : LightGain{0.8, 0.9, 1.1});
     for (size_t i = 0; i < lit.image.data.size(); ++i)
       EXPECT_NEAR(still.image.data[i], lit.image.data[i], 2) << still.camera_name << " " << i;
   }
@@ -92,13 +92,13 @@ TEST(WindowLight, ThatIsTheSameChangesNothing) {
   adopt_light(window({1.004, 1, 1}, {1.004, 1, 1}, {1, 1, 1}), shared, options);
   EXPECT_EQ(shared.light, kSameLight);
   EXPECT_EQ(shared.stills[1].image.data, still);
-  EXPECT_TRUE(std::ranges::equal(before.values().group[kSh],
-                                 shared.model.static_set.values().group[kSh]));
+  EXPECT_TRUE(
+      std::ranges::equal(before.values().group[kSh], shared.model.static_set.values().group[kSh]));
 }
 
 // Cameras that expose for themselves. Bugs put back, each seen to fail: the mean of the window left
-// in the gains of its cameras; gains that were learnt with the static set dropped; no gains where it
-// has none.
+// in the gains of its cameras; gains that were learnt with the static set dropped; no gains where
+// it has none.
 TEST(WindowLight, GivesCamerasGainsOfTheirOwn) {
   const Scene scene = window({0.6, 0.6, 0.6}, {0.8, 0.8, 0.8}, {1, 1, 1});
   for (const bool learnt : {false, true}) {
@@ -107,9 +107,9 @@ TEST(WindowLight, GivesCamerasGainsOfTheirOwn) {
     const double of_a = learnt ? 1.2 : 1, of_c = learnt ? 0.8 : 1;
     if (learnt) {
       options.exposure = ExposureGains::kCamera;
-      shared.exposure = {{"by", "camera"},
-                         {"gains",
-                          {{"a", {1.2, 1.2, 1.2}}, {"b", {1, 1, 1}}, {"c", {0.8, 0.8, 0.8}}}}};
+      shared.exposure = {
+          {"by", "camera"},
+          {"gains", {{"a", {1.2, 1.2, 1.2}}, {"b", {1, 1, 1}}, {"c", {0.8, 0.8, 0.8}}}}};
     }
     adopt_light(scene, shared, options);
     ASSERT_EQ(options.exposure, ExposureGains::kCamera);
