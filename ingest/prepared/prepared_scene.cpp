@@ -7,6 +7,7 @@
 
 #include "ingest/colmap/colmap_records.h"
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/fnv1a.h"
 #include "ingest/poses/pose_matrix.h"
 #include "ingest/prepared/scene_clip.h"
 
@@ -98,6 +99,7 @@ SceneClip scene_clip(const Capture& scene, const RigClip& clip, const CaptureCam
   for (std::filesystem::path& file : kept.files) {
     file = file.lexically_normal();
     kept.bytes.push_back(int64_t(std::filesystem::file_size(file)));
+    kept.samples.push_back(sampled_hash(file));
   }
   kept.hash = hash_of(scene, clip.video);
   kept.chapters = clip.timeline.chapters;

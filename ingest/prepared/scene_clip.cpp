@@ -7,6 +7,7 @@
 #include <numeric>
 #include <system_error>
 
+#include "ingest/files/fnv1a.h"
 #include "ingest/files/json_file.h"
 #include "ingest/poses/pose_matrix.h"
 #include "ingest/poses/transforms_values.h"
@@ -111,6 +112,7 @@ void read_files(const json& entry, const std::string& where, SceneClip& clip) {
     if (!file.is_object()) refuse(where, "files");
     clip.files.emplace_back(string_at(file, "path", where));
     clip.bytes.push_back(int64_t(finite_number(file, "bytes", where).value_or(-1)));
+    clip.samples.push_back(string_at(file, "sample", where));
     if (clip.files.size() == 1) continue;
     const auto first = finite_number(file, "first", where);
     const auto shift = finite_number(file, "shift", where);
@@ -136,6 +138,11 @@ void check_source(const SceneClip& clip) {
           "{}: has {} bytes, and the scene was made when it had {}; restore it, or prepare the "
           "capture again",
           file, bytes, clip.bytes[i]));
+    if (!clip.samples[i].empty() && sampled_hash(clip.files[i]) != clip.samples[i])
+      throw InputError(fmt::format(
+          "{}: is another video than the one that the scene was made of; restore it, or prepare "
+          "the capture again",
+          file));
   }
 }
 
@@ -146,7 +153,8 @@ std::string SceneClip::frame_name(int64_t number) const {
 ordered_json to_json(const SceneClip& clip) {
   ordered_json files = ordered_json::array();
   for (size_t i = 0; i < clip.files.size(); ++i) {
-    files.push_back({{"path", clip.files[i].string()}, {"bytes", clip.bytes[i]}});
+    files.push_back(
+        {{"path", clip.files[i].string()}, {"bytes", clip.bytes[i]}, {"sample", clip.samples[i]}});
     if (i == 0) continue;
     files.back()["first"] = clip.chapters[i - 1].first;
     files.back()["shift"] = clip.chapters[i - 1].shift;

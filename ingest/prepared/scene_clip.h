@@ -18,6 +18,7 @@ struct SceneClip {
   std::string camera;                        // its name
   std::vector<std::filesystem::path> files;  // whole paths: the video and its further chapters
   std::vector<int64_t> bytes;                // of each file
+  std::vector<std::string> samples;          // sampled_hash of each; "": of an earlier version
   std::string hash;                          // of all of them (clip_hash)
   std::vector<ChapterStart> chapters{};      // one a further file
   Split split = Split::kTrain;
@@ -41,7 +42,7 @@ struct SceneClip {
 
 /// As an entry of `tessera.clips` in transforms.json. Ticks of a constant rate are one triple.
 nlohmann::ordered_json to_json(const SceneClip& clip);
-/// Errors: InputError: a file of the clip is gone or of another size.
+/// Errors: InputError: a file of the clip is gone, of another size, or another one.
 void check_source(const SceneClip& clip);
 /// Errors: InputError that starts with `where`, or as check_source.
 SceneClip scene_clip_of(const nlohmann::json& entry, const std::string& where);

@@ -14,7 +14,7 @@ import {bytesOf, evenWindows, joinWindows, readFolder, writeFolder} from './wind
 const kTimes = [0, 0.35, 1];
 const kModels = {pairs: fixture.model, carried: fixture.carried};
 /** Three windows that all play the model, and times with the window that is drawn: two at a border. */
-const kWindows = evenWindows(3).map((window) => ({...window, tint: null}));
+const kWindows = evenWindows(3).map((window) => ({...window, tint: null, light: undefined}));
 const kSeen = [[0, 0], [1 / 3 - 1e-7, 0], [1 / 3, 1], [0.45, 1], [1, 2]];
 const tauOf = ([t, i], {time: [lo, hi]} = kWindows[i]) => (t - lo) / (hi - lo);
 const folder = scratchFolder(), player = join(folder, 'player'), loader = join(player, 'loader');

@@ -91,11 +91,18 @@ void StageLedger::begin(const std::string& stage, const json& inputs) {
 }
 
 void StageLedger::finish(const std::string& stage, const json& result,
-                         std::optional<double> seconds) {
+                         std::optional<double> seconds, const json& product) {
   const auto now = std::chrono::system_clock::now().time_since_epoch().count();
   json entry = {{"inputs", inputs(stage)}, {"done", true}, {"result", result}, {"at", now}};
   if (seconds) entry["seconds"] = *seconds;
+  if (!product.is_null()) entry["product"] = product;
   set(stage, std::move(entry));
+}
+
+bool StageLedger::wrote(const std::string& stage, const json& product) const {
+  if (!is_finished(stage)) return false;
+  const json before = entries_[stage].value("product", json());
+  return before.is_null() || before == product;
 }
 
 void StageLedger::adopt(const std::string& stage, const StageLedger& other) {

@@ -21,9 +21,12 @@ class StageLedger {
   /// The inputs of a stage; null where they are not known.
   nlohmann::json inputs(const std::string& stage) const;
   void begin(const std::string& stage, const nlohmann::json& inputs);
-  /// `seconds`: what the stage took, where that is to be kept.
+  /// `seconds`: what the stage took, where that is to be kept. `product`: file_stamps of what it
+  /// wrote.
   void finish(const std::string& stage, const nlohmann::json& result,
-              std::optional<double> seconds = {});
+              std::optional<double> seconds = {}, const nlohmann::json& product = {});
+  /// Whether what a finished stage wrote has these stamps; where they are not known, it has.
+  bool wrote(const std::string& stage, const nlohmann::json& product) const;
   /// The entry of a stage becomes that of another ledger.
   void adopt(const std::string& stage, const StageLedger& other);
   bool is_finished(const std::string& stage) const;

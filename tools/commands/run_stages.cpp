@@ -140,7 +140,7 @@ class Runner {
   bool do_stage(const Stage& stage, const json& inputs, const fs::path& product,
                 const std::function<std::optional<json>()>& make) {
     const bool is_there = fs::exists(product);
-    if (ledger_.done(stage.entry, inputs) && is_there) {
+    if (ledger_.done(stage.entry, inputs) && is_there && is_as_written(stage, product)) {
       say(stage.message(": done before, unchanged"));
       return true;
     }
@@ -150,15 +150,24 @@ class Runner {
     const std::optional<json> result = make();
     if (!result) return false;
     seconds_[stage.name] = seconds_since(begin);
-    ledger_.finish(stage.entry, *result, seconds_[stage.name]);
+    ledger_.finish(stage.entry, *result, seconds_[stage.name],
+                   is_checked(stage) ? file_stamps(product) : json());
     say(stage.message(fmt::format(": done in {}", duration_text(seconds_[stage.name]))));
     return !interrupted();
+  }
+
+  /// A prepared scene may be edited by hand: the files of its own are inputs of the next stage.
+  static bool is_checked(const Stage& stage) { return stage.entry != kIngest.entry; }
+  bool is_as_written(const Stage& stage, const fs::path& product) const {
+    return !is_checked(stage) || ledger_.wrote(stage.entry, file_stamps(product));
   }
 
   std::string why_again(const Stage& stage, const json& inputs, bool is_there,
                         const fs::path& product) const {
     if (!ledger_.is_finished(stage.entry)) return "";
     if (!is_there) return fmt::format(" again: {} is gone", product.string());
+    if (!is_as_written(stage, product))
+      return fmt::format(" again: {} is not what this run has written", product.string());
     const std::vector<std::string> changed = ledger_.changed(stage.entry, inputs);
     return changed.empty() ? " again: what it was made of is not known"
                            : " again: changed: " + text_of_changes(changed);
@@ -251,6 +260,12 @@ class Runner {
                                    ledger_.is_finished(kTrain.entry), ledger_.inputs(kTrain.entry)},
                                   inputs, request_.overwrite);
     check_finished(plan);
+    if (plan.action == RunAction::kDone && fs::exists(run_.model()) &&
+        !is_as_written(kTrain, run_.model()))
+      throw InputError(fmt::format(
+          "{}: is not the model that this run has trained: it was trained on, or is damaged; "
+          "remove it to train again, or take another output folder",
+          run_.model().string()));
     const json made_for = json::parse(run_.made_for(), nullptr, false);
     const bool resumes = plan.action == RunAction::kResume && made_for.is_object() &&
                          changes(made_for, inputs).empty();

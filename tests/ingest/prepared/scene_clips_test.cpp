@@ -137,14 +137,21 @@ TEST_F(SceneClips, UnpackToTheSameScene) {
                      {"no prepared scene"});
 }
 
-// Finds: only the existence of a source is checked; a scene of clips is converted again into one
-// without frames.
+// Finds: only the existence of a source is checked; only its size; a scene of clips is converted
+// again into one without frames.
 TEST_F(SceneClips, NameASourceThatIsNotWhatItWas) {
   ingest("clips", FramesAs::kVideo);
   expect_input_error([&] { ingest_capture(folder_ / "clips", folder_ / "again", {}, {}); },
                      {"prepared scene", "prepare that capture again"});
   set_clip_reader(nullptr);
   expect_input_error([&] { load_scene(folder_ / "clips", {}); }, {"reads no videos", "unpack"});
+  const std::string video = read_bytes(folder_ / "capture/cam01.mp4");
+  std::string other = video;
+  other[other.size() / 2] = char(other[other.size() / 2] + 1);
+  write_bytes(folder_ / "capture/cam01.mp4", other);
+  expect_input_error([&] { load_scene(folder_ / "clips", {}); },
+                     {"cam01.mp4", "another video", "prepare the capture again"});
+  write_bytes(folder_ / "capture/cam01.mp4", video);
   std::ofstream(folder_ / "capture/cam01.mp4", std::ios::app) << "more";
   expect_input_error([&] { load_scene(folder_ / "clips", {}); },
                      {"cam01.mp4", "bytes", "prepare the capture again"});

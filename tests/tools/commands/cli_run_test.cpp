@@ -90,6 +90,30 @@ TEST_F(CliRun, RepeatsOnlyWhatChanged) {
 // Bugs put back, each seen to fail: the finished run of another request replaced; the backend and
 // defaults that are spelt out taken for a change; the old result removed when the new one begins;
 // numbers of enumerators recorded, not words.
+// A copy that was cut off, and a model that was trained on. Bug put back: what is there counts as
+// done; seen to fail.
+TEST_F(CliRun, WhatIsNotAsItWasWrittenIsNoResult) {
+  ASSERT_EQ(run().exit_code, 0);
+  fs::resize_file(work / "out/run/metrics.json", 100);
+  const ChildResult scored = run();
+  EXPECT_EQ(begun(scored), "evaluate ") << scored.err;
+  EXPECT_NE(scored.err.find("metrics.json is not what this run has written"), std::string::npos);
+  if (plays()) {
+    fs::resize_file(work / "out/player/index.html", 0);
+    EXPECT_EQ(begun(run()), "page ");
+  }
+  EXPECT_EQ(begun(run()), "");
+  const uintmax_t whole = fs::file_size(work / "out/run/model.ply");
+  fs::resize_file(work / "out/run/model.ply", whole / 2);
+  const ChildResult cut = run();
+  EXPECT_EQ(cut.exit_code, 2) << cut.err;
+  EXPECT_NE(cut.err.find("is not the model that this run has trained"), std::string::npos);
+  EXPECT_EQ(fs::file_size(work / "out/run/model.ply"), whole / 2) << "nothing is lost";
+  fs::remove(work / "out/run/model.ply");
+  EXPECT_EQ(run().exit_code, 0);
+  EXPECT_EQ(fs::file_size(work / "out/run/model.ply"), whole);
+}
+
 TEST_F(CliRun, NothingFinishedIsReplacedUnasked) {
   ASSERT_EQ(run().exit_code, 0);
   const std::string model = work.read("out/run/model.ply"),
