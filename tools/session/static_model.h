@@ -22,8 +22,8 @@ struct StaticModel {
   nlohmann::json exposure;       // of exposure_json; null: nothing was learnt
   std::vector<Frame> stills;     // [cameras] of its scene, at the size of the training
   LightGain light = kSameLight;  // of a window, by that of the background; both are in it then
-  std::map<std::string, LightGain>
-      of_camera;  // by `light`: a training camera's own, as by its exposure
+  // of training cameras, by `light`: as they expose for themselves
+  std::map<std::string, LightGain> of_camera;
 };
 
 /// `run`: the folder of a finished training on a scene of `tessera unpack --static`. Errors:
@@ -40,13 +40,12 @@ void adopt_rules(const StaticModel& shared, TrainOptions& options);
 void check_world(const StaticModel& shared, const Scene& scene);
 
 /// Puts the static set and its images into the light of the window `scene`: the mean of its
-/// training cameras, by the medians of their frames. Cameras whose own light differs by more than 3
-/// % get gains where the static set has none.
+/// training cameras, by the medians of their frames. Where the light of a camera differs by more
+/// than 0.03 from that, cameras get gains, if the static set has none.
 void adopt_light(const Scene& scene, StaticModel& shared, TrainOptions& options);
 
 /// The colours of the training images of `scene` as the static set has them, in the light of each
-/// camera. Errors: InputError: a
-/// camera that it does not know.
+/// camera. Errors: InputError: a camera that it does not know.
 ExposureState shared_exposure(const StaticModel& shared, const Scene& scene,
                               const TrainOptions& options);
 
