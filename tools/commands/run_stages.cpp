@@ -42,6 +42,7 @@
 #include "tools/web/web_page.h"
 #include "tools/windows/train_windows.h"
 #include "tools/windows/window_choice.h"
+#include "tools/windows/windows_result.h"
 #include "tools/windows/windows_scores.h"
 
 namespace tessera {

@@ -38,6 +38,7 @@
 #include "tools/windows/train_windows.h"
 #include "tools/windows/window_choice.h"
 #include "tools/windows/window_workers.h"
+#include "tools/windows/windows_result.h"
 
 namespace tessera {
 namespace {
@@ -75,6 +76,7 @@ void complete_move(const fs::path& place, TrainingTerminal& terminal) {
 /// which resumes what is there of the same options.
 void train_beside(TrainRequest& request) {
   request.run /= kNext;
+  WindowsFolder{request.run}.remove();
   request.resume = can_resume(request, RunFolder{request.run});
 }
 

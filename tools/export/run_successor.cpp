@@ -1,6 +1,7 @@
 // Entry by entry: the old one is renamed to OUT/previous, the new one to OUT. A move has begun
 // where OUT/next/complete is there, which names that folder; doing it again does what is left. Of a
-// training the model is moved first: without it in RUN/next, the old files are gone already.
+// training its model or its plan of windows is moved first: without it in RUN/next, the old files
+// are gone already.
 #include "tools/export/run_successor.h"
 
 #include <nlohmann/json.hpp>
@@ -97,18 +98,23 @@ void finish_move(const fs::path& out) {
 }
 
 void move_training(const fs::path& from, const fs::path& run) {
-  const RunFolder made{from}, place{run};
+  const RunFolder place{run};
+  const WindowsFolder made{from};
   const fs::path marker = from / kComplete;
   if (!fs::exists(marker)) write_text_file(marker, "");
-  if (fs::exists(made.model())) {
-    place.remove_files();
+  const fs::path first = made.exists() ? made.plan_file() : RunFolder{from}.model();
+  if (fs::exists(first)) {
     WindowsFolder{run}.remove();
-    rename_or_fail(made.model(), place.model());
+    place.remove_files();
+    rename_or_fail(first, run / first.filename());
   }
-  std::vector<fs::path> files;
+  std::vector<fs::path> parts;
   for (const auto& entry : fs::directory_iterator(from))
-    if (entry.is_regular_file() && entry.path() != marker) files.push_back(entry.path());
-  for (const fs::path& file : files) rename_or_fail(file, run / file.filename());
+    if (entry.is_regular_file() && entry.path() != marker) parts.push_back(entry.path());
+  for (const fs::path& folder : made.folders())
+    if (fs::exists(folder)) parts.push_back(folder);
+  for (const fs::path& part : parts) rename_or_fail(part, run / part.filename());
+  follow_windows(run, from, run);
   std::error_code ignored;
   fs::remove_all(from, ignored);
 }

@@ -16,9 +16,9 @@ void move_successor(const std::filesystem::path& from, const std::filesystem::pa
 /// Completes a move that was cut off; nothing where there was none.
 void finish_move(const std::filesystem::path& out);
 
-/// Moves all files of a training from its folder `from` to `run`, in the place of those of the
-/// training there. Files that Tessera did not write stay. What is cut off is completed by
-/// finish_training_move. Errors: WriteError.
+/// Moves all files of a training, or of the trainings of windows, from their folder `from` to
+/// `run`, in the place of those that are there. Files that Tessera did not write stay. What is cut
+/// off is completed by finish_training_move. Errors: WriteError.
 void move_training(const std::filesystem::path& from, const std::filesystem::path& run);
 
 /// Completes a move of a training that was cut off; nothing where there was none.

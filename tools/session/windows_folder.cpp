@@ -12,6 +12,7 @@
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
 #include "recon4d/model/model_file.h"
+#include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {
@@ -122,9 +123,12 @@ void WindowsFolder::write(const WindowsPlan& plan) const {
 void WindowsFolder::remove() const {
   if (!exists()) return;
   std::error_code ignored;
-  for (const fs::path& part :
-       {plan_file(), static_scene(), static_run(), root / "windows", RunFolder{root}.metrics()})
-    fs::remove_all(part, ignored);
+  for (const auto& run : fs::directory_iterator(root / "windows", ignored))
+    if (is_run_locked(run.path()))
+      throw InputError(
+          fmt::format("{}: another program trains it; stop that first", run.path().string()));
+  for (const fs::path& file : {plan_file(), RunFolder{root}.metrics()}) fs::remove(file, ignored);
+  for (const fs::path& folder : folders()) fs::remove_all(folder, ignored);
 }
 
 bool WindowsFolder::is_finished(const fs::path& run) {

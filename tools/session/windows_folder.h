@@ -35,13 +35,18 @@ struct WindowsFolder {
   std::filesystem::path static_scene() const { return root / "static_scene"; }
   std::filesystem::path static_run() const { return root / "static"; }
   std::filesystem::path window_run(int64_t index) const;
+  /// All folders in it that windows consist of.
+  std::vector<std::filesystem::path> folders() const {
+    return {static_scene(), static_run(), root / "windows"};
+  }
 
   /// Whether a clip has been cut here.
   bool exists() const { return std::filesystem::exists(plan_file()); }
   /// Errors: InputError: missing, damaged, of a newer version.
   WindowsPlan read() const;
   void write(const WindowsPlan& plan) const;
-  /// Removes what the windows consist of, where a clip has been cut here.
+  /// Removes what the windows consist of, where a clip has been cut here. Errors: InputError:
+  /// another program trains a window.
   void remove() const;
   /// Whether the training in that run folder is complete: it leaves its checkpoint behind then.
   static bool is_finished(const std::filesystem::path& run);

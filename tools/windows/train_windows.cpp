@@ -17,12 +17,13 @@
 #include "tools/cli/run_record.h"
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/live/earlier_training.h"
+#include "tools/export/run_successor.h"
 #include "tools/live/stopped_training.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
 #include "tools/windows/window_workers.h"
+#include "tools/windows/windows_result.h"
 
 namespace tessera {
 namespace {
@@ -39,6 +40,15 @@ class WindowsTraining {
       : request_(request),
         folder_{request.root},
         continues_(WindowsFolder::is_finished(folder_.static_run())) {}
+
+  /// --overwrite: whether finished trainings of another clip, cut or request would be lost.
+  bool replaces_results() {
+    if (fs::exists(RunFolder{folder_.root}.model())) return true;
+    if (!folder_.exists() || is_of_this_request()) return false;
+    for (int64_t i = 0; i < int64_t(plan_.windows.size()); ++i)
+      if (WindowsFolder::is_finished(folder_.window_run(i))) return true;
+    return false;
+  }
 
   json run() {
     if (!prepare()) return result(true);
@@ -84,11 +94,8 @@ class WindowsTraining {
   /// --overwrite: windows of another clip, cut or request go.
   void remove_others() {
     if (folder_.exists() && !is_of_this_request()) {
-      for (int64_t i = 0; i < int64_t(plan_.windows.size()); ++i)
-        if (is_run_locked(folder_.window_run(i)))
-          throw InputError(fmt::format("{}: another program trains it; stop that first",
-                                       folder_.window_run(i).string()));
       folder_.remove();
+      plan_ = {};
     }
   }
 
@@ -224,6 +231,7 @@ class WindowsTraining {
     while (true) {
       bool is_with_others = false;
       for (int64_t i = 0; i < int64_t(plan_.windows.size()); ++i) {
+        if (!folder_.exists()) return true;  // another program was done, and has moved it
         if (failed_.contains(i)) continue;
         const fs::path run = folder_.window_run(i);
         if (is_run_locked(run)) {
@@ -260,33 +268,10 @@ class WindowsTraining {
   }
 
   json result(bool left) const {
-    json parts = json::array();
-    json all = {{"windows", request_.count}, {"folder", folder_.root.string()}, {"left", left}};
-    int64_t dynamic = 0, most = 0, bytes = 0;
-    json fixed = last_result(RunFolder{folder_.static_run()});
-    const int64_t statics = fixed.is_object() ? fixed.value("num_static", int64_t{0}) : 0;
-    double seconds = fixed.is_object() ? fixed.value("seconds", 0.0) : 0;
-    for (int64_t i = 0; i < int64_t(plan_.windows.size()); ++i) {
-      json part = last_result(RunFolder{folder_.window_run(i)});
-      if (part.is_object()) {
-        const auto count = part.value("num_dynamic", int64_t{0});
-        dynamic += count;
-        most = std::max(most, count);
-        seconds += part.value("seconds", 0.0);
-        bytes += part.value("bytes", int64_t{0});
-      }
-      parts.push_back(std::move(part));
-    }
-    all["finished"] = !left && folder_.exists() && folder_.missing(plan_).empty();
-    all["num_static"] = statics;
-    all["num_dynamic"] = dynamic;
-    all["num_gaussians"] = statics + dynamic;
-    all["bytes"] = bytes;
-    all["peak_gaussians"] = statics + most;
-    all["seconds"] = seconds;
+    json all = windows_result(folder_);
+    all["finished"] = all["finished"].get<bool>() && !left;
+    all["left"] = left;
     all["continued"] = continues_;
-    all["static"] = std::move(fixed);
-    all["parts"] = std::move(parts);
     return all;
   }
 
@@ -300,23 +285,37 @@ class WindowsTraining {
   std::map<int64_t, std::string> failed_;  // why
 };
 
+/// The complete windows in OUT/next move to OUT, by this program or another.
+void take_place(const fs::path& root) {
+  TrainingTerminal terminal;
+  while (is_run_locked(root)) std::this_thread::sleep_for(kBetweenLooks);
+  const RunLock lock(root, terminal);
+  if (WindowsFolder{root / kNext}.exists()) move_training(root / kNext, root);
+}
+
+/// Completes a move that was cut off.
+void complete_move(const fs::path& root) {
+  if (!fs::exists(root / kNext) || is_run_locked(root)) return;
+  TrainingTerminal terminal;
+  const RunLock lock(root, terminal);
+  finish_training_move(root);
+}
+
 }  // namespace
 
 json train_windows(const WindowsRequest& request) {
-  return WindowsTraining(request).run();
-}
-
-std::string windows_text(const json& result) {
-  const auto windows = result["windows"].get<int64_t>();
-  if (!result["finished"].get<bool>())
-    return fmt::format("stopped before all {} windows were trained; repeat the command to go on",
-                       windows);
-  return fmt::format(
-      "{} windows in {}: {} static Gaussians that they share, {} dynamic ones, at most {} at a "
-      "time; folder {}",
-      windows, duration_text(result["seconds"]), result["num_static"].get<int64_t>(),
-      result["num_dynamic"].get<int64_t>(), result["peak_gaussians"].get<int64_t>(),
-      result["folder"].get<std::string>());
+  const fs::path next = request.root / kNext;
+  complete_move(request.root);
+  WindowsTraining in_place(request);
+  if (!request.overwrite || !in_place.replaces_results()) return in_place.run();
+  WindowsRequest beside = request;
+  beside.root = next;
+  json made = WindowsTraining(beside).run();
+  if (WindowsFolder{next}.exists() && !made["finished"].get<bool>()) return made;
+  take_place(request.root);
+  json result = windows_result(WindowsFolder{request.root});
+  for (const char* kept : {"left", "continued"}) result[kept] = made[kept];
+  return result;
 }
 
 }  // namespace tessera

@@ -22,15 +22,11 @@ struct WindowsRequest {
   Stopwatch stopwatch = running_stopwatch();
 };
 
-/// Returns when all windows are trained, by this program or another, or when it is stopped.
-/// `windows` (number), `finished`, `left`, `folder`, `static` and `parts` (results of the
-/// trainings), `num_static`, `num_dynamic` and `num_gaussians` (sums), `bytes` (of the models'
-/// files), `peak_gaussians` (of a window with the static set), `seconds` (sum), `continued`
-/// (whether an earlier program had begun). Errors: InputError: the folder holds another clip, cut
-/// or request; a window that cannot be trained, after all others have been.
+/// Returns when all windows are trained, by this program or another, or when it is stopped. What
+/// windows_result has, with `left` (it was stopped) and `continued` (whether an earlier program had
+/// begun). With `overwrite`, finished trainings of another clip, cut or request stay until the new
+/// ones, in ROOT/next, are complete. Errors: InputError: the folder holds another clip, cut or
+/// request; a window that cannot be trained, after all others have been.
 nlohmann::json train_windows(const WindowsRequest& request);
-
-/// In lines for a person.
-std::string windows_text(const nlohmann::json& result);
 
 }  // namespace tessera

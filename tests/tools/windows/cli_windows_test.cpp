@@ -45,7 +45,8 @@ class CliWindows : public ::testing::Test {
     return command;
   }
   std::vector<std::string> train(const std::string& out, std::vector<std::string> more = {}) const {
-    more.insert(more.end(), {"--iterations", "12"});
+    if (std::find(more.begin(), more.end(), "--iterations") == more.end())
+      more.insert(more.end(), {"--iterations", "12"});
     return tiny({"train", work.at("scene"), "-o", work.at(out), "--windows", "1s"}, more);
   }
   /// The images of the whole clip in OUT are those that each window has of itself.
@@ -250,11 +251,12 @@ TEST_F(CliWindows, GoOnWhereTheyWereAndLoseNothing) {
 
 // What is here of another request, cut or training stays unless --overwrite is given. Bugs put
 // back, each seen to fail: a whole clip is trained into a folder of windows, which then scores
-// these; the windows stay; the reverse; another request is refused with --overwrite, too. Finds
-// also: a result that is lost before the new one is complete.
+// these; the windows stay; the reverse; another request is refused with --overwrite, too; windows
+// or a whole clip are lost before the new ones are complete; a move that was cut off stays so.
 TEST_F(CliWindows, ReplaceAndAreReplacedWhereThatIsAskedFor) {
   work.run_json(train("run"));
-  const WrittenFiles before = work.written("run", "model.ply");
+  const WrittenFiles before = work.written("run", "model.ply"),
+                     windows = work.written("run/windows", "model.ply");
   const std::vector<std::string> whole =
       tiny({"train", work.at("scene"), "-o", work.at("run"), "--iterations", "12"}, {});
   const auto with = [](std::vector<std::string> command, const std::vector<std::string>& more) {
@@ -269,10 +271,25 @@ TEST_F(CliWindows, ReplaceAndAreReplacedWhereThatIsAskedFor) {
   EXPECT_EQ(work.run_json(train("run", {"--overwrite"}))["windows"], 2);
   EXPECT_EQ(work.written("run", "model.ply"), before) << "the same request is done";
   EXPECT_TRUE(fs::exists(work / "run/metrics.json"));
-  work.run_json(train("run", {"--overwrite", "--lr-opacity", "0.04"}));
+  const std::vector<std::string> other{"--overwrite", "--lr-opacity", "0.04"};
+  const std::vector<std::string> long_one{"--overwrite", "--iterations", "3000", "--time-limit",
+                                          "2s"};
+  EXPECT_EQ(work.run(train("run", long_one)).exit_code, 75);
+  EXPECT_EQ(work.written("run/windows", "model.ply"), windows) << "until the new are complete";
+  EXPECT_TRUE(fs::exists(work / "run/metrics.json"));
+  EXPECT_EQ(work.run_json({"evaluate", work.at("run"), "--backend", "cpu"})["windows"], 2);
+  const json made = work.run_json(train("run", other));
+  EXPECT_EQ(made["folder"], work.at("run"));
+  EXPECT_EQ(made["finished"], true);
   EXPECT_FALSE(fs::exists(work / "run/metrics.json")) << "scores of other windows";
-  for (const auto& [file, time] : work.written("run", "model.ply"))
+  EXPECT_FALSE(fs::exists(work / "run/next"));
+  const WrittenFiles after = work.written("run", "model.ply");
+  EXPECT_EQ(after.size(), before.size());
+  for (const auto& [file, time] : after)
     EXPECT_FALSE(before.contains(file) && before.at(file) == time) << file;
+  work.run_json(train("run", {"--lr-opacity", "0.04"}));
+  EXPECT_EQ(work.written("run", "model.ply"), after) << "the same request is done";
+  EXPECT_EQ(work.run_json({"evaluate", work.at("run"), "--backend", "cpu"})["windows"], 2);
 
   work.run(with(whole, {"--overwrite", "--stop-after", "5"}));
   EXPECT_FALSE(fs::exists(work / "run/model.ply")) << "until the new one is complete";
@@ -283,8 +300,19 @@ TEST_F(CliWindows, ReplaceAndAreReplacedWhereThatIsAskedFor) {
   EXPECT_FALSE(fs::exists(work / "run/static"));
 
   work.expect_refused(train("run"), {"a training of the whole clip", "--overwrite"});
+  EXPECT_EQ(work.run(train("run", long_one)).exit_code, 75);
+  EXPECT_TRUE(fs::exists(work / "run/model.ply")) << "until the windows are complete";
   EXPECT_EQ(work.run_json(train("run", {"--overwrite"}))["windows"], 2);
   EXPECT_FALSE(fs::exists(work / "run/model.ply"));
+
+  const WrittenFiles moved = work.written("run", "model.ply");
+  fs::create_directory(work / "run/next");  // a move that was cut off after the plan
+  work.write("run/next/complete", "");
+  for (const char* folder : {"static", "static_scene", "windows"})
+    fs::rename(work / "run" / folder, work / "run/next" / folder);
+  work.run_json(train("run"));
+  EXPECT_EQ(work.written("run", "model.ply"), moved);
+  EXPECT_FALSE(fs::exists(work / "run/next"));
 }
 
 // Finds: a stage of `run` that looks for one model; a second run that trains again; a successor
