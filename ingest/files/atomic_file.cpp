@@ -110,6 +110,15 @@ std::string read_text_file(const std::filesystem::path& path) {
   return bytes;
 }
 
+void remove_partial_files(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_regular_file(ignored) && name.starts_with(".") && name.ends_with(".partial"))
+      std::filesystem::remove(entry.path(), ignored);
+  }
+}
+
 void make_folder(const std::filesystem::path& path) {
   std::error_code reason;
   std::filesystem::create_directories(path, reason);

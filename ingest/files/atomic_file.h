@@ -58,6 +58,9 @@ void write_text_file(const std::filesystem::path& path, std::string_view text);
 void write_together(const std::vector<std::pair<std::filesystem::path, std::string>>& texts);
 /// The whole of `path`. Errors: InputError when it is missing or unreadable.
 std::string read_text_file(const std::filesystem::path& path);
+/// Removes parts of files in `folder` that killed programs have left; the caller is its only
+/// writer.
+void remove_partial_files(const std::filesystem::path& folder);
 /// Creates a folder and its parents. Errors: InputError or WriteError with the reason.
 void make_folder(const std::filesystem::path& path);
 

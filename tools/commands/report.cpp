@@ -25,7 +25,7 @@ struct ReportArguments {
   std::vector<fs::path> folders;
   fs::path out;
   int threads = 0;
-  bool json = false, no_images = false;
+  bool json = false, no_images = false, overwrite = false;
 };
 
 void say_without_pages() {
@@ -40,7 +40,8 @@ void report_of_runs(const ReportArguments& arguments) {
       {arguments.folders, arguments.out, [&] { return make_backend(arguments.batch.backend); },
        [](Backend& backend, const WindowsFolder& windows) {
          return score_windows(backend, windows, kHeldOutSplits);
-       }});
+       },
+       arguments.overwrite});
   say_without_pages();
   print_result(arguments.json, report, report["page"].get<std::string>());
 }
@@ -69,6 +70,7 @@ void add_report_command(CLI::App& app, Work& work) {
       ->required();
   command.add_option("-o,--out", parsed->out,
                      "folder for the report of runs; default, of one run: report/ in it");
+  command.add_flag("--overwrite", parsed->overwrite, "write among files that are not ours");
   command.add_flag("--no-images", parsed->no_images,
                    "batch: without views of its runs, which are rendered once for each scene and "
                    "preset");

@@ -27,6 +27,7 @@
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/export/formats.h"
+#include "tools/export/output_folder.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_outputs.h"
 #include "tools/export/run_successor.h"
@@ -414,6 +415,14 @@ std::optional<json> run_stages(const RunRequest& request, std::unique_ptr<ViewCh
   finish_move(request.out);
   const StageLedger ledger(request.out / "stages.json");
   const RunFolder run{request.out / "run"};
+  run.require_no_foreign_file();
+  for (const fs::path& folder : {request.out / "player", request.out / "frames"})
+    if (has_foreign_contents(folder))
+      throw InputError(fmt::format(
+          "{}: has contents that no run has written, where this one would write; take another "
+          "output folder, or move them away",
+          folder.string()));
+  for (const fs::path& folder : {request.out, run.root}) remove_partial_files(folder);
   const bool has_model = fs::exists(run.model()) || WindowsFolder{run.root}.exists();
   const bool is_finished = ledger.is_finished(kTrain.entry) && has_model;
   const RunPlan plan =

@@ -38,14 +38,16 @@ std::vector<std::string> listed_files(const fs::path& folder) {
   return files;
 }
 
-bool holds_other_contents(const fs::path& folder) {
-  const fs::directory_iterator entries(folder);
-  return std::any_of(begin(entries), end(entries), [](const fs::directory_entry& entry) {
-    return !is_staging_name(entry.path().filename().string(), kStem);
-  });
-}
-
 }  // namespace
+
+bool has_foreign_contents(const fs::path& folder) {
+  std::error_code absent;
+  const fs::directory_iterator entries(folder, absent);
+  return !fs::exists(folder / kManifest) &&
+         std::any_of(begin(entries), end(entries), [](const fs::directory_entry& entry) {
+           return !is_staging_name(entry.path().filename().string(), kStem);
+         });
+}
 
 OutputFolder::OutputFolder(fs::path folder, const std::string& command,
                            std::vector<std::string> files, bool overwrite)
@@ -55,7 +57,7 @@ OutputFolder::OutputFolder(fs::path folder, const std::string& command,
       files_(std::move(files)),
       made_folder_(!fs::exists(folder_)) {
   make_folder(folder_);
-  if (!overwrite && !fs::exists(folder_ / kManifest) && holds_other_contents(folder_))
+  if (!overwrite && has_foreign_contents(folder_))
     throw InputError(
         fmt::format("{}: has contents that tessera {} did not write; choose another folder or pass "
                     "--overwrite",

@@ -12,6 +12,9 @@
 
 namespace tessera {
 
+/// Whether the folder is there with contents of which no manifest lists anything.
+bool has_foreign_contents(const std::filesystem::path& folder);
+
 class OutputFolder {
  public:
   /// `files`: relative names of those that will be written. Errors: InputError when the folder has

@@ -60,7 +60,7 @@ void remove_previous(const fs::path& previous) {
   const RunFolder run{previous / "run"};
   WindowsFolder{run.root}.remove();
   run.remove_files();
-  run.remove_leftovers();
+  remove_partial_files(run.root);
   fs::remove(run.root / "lock", ignored);
   fs::remove(run.root, ignored);  // unless somebody has put files there
   fs::remove(previous, ignored);

@@ -14,6 +14,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
+#include "tools/export/output_folder.h"
 #include "tools/report/rendered_views.h"
 #include "tools/report/report_page.h"
 #include "tools/report/run_images.h"
@@ -31,6 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+const fs::path kImages = "images";
 constexpr size_t kMostRunsInside = 3;  // whose images are in the page, of up to 5 MB each
 
 /// Where the files of a run lie.
@@ -119,22 +121,27 @@ struct ReportedRun {
   std::vector<ShownView> images;
 };
 
-/// The images that the report names; those of earlier reports go.
-void write_images(const fs::path& folder, const std::vector<ReportedRun>& runs) {
+/// The images that the report names.
+void write_images(OutputFolder& output, const std::vector<ReportedRun>& runs) {
   std::set<std::string> names;
-  make_folder(folder);
+  make_folder(output.path(kImages));
   for (const ReportedRun& run : runs)
     for (const ShownView& view : run.images)
       for (const EncodedImage* image : {&view.truth, &view.result, &view.error})
-        if (const std::string name = file_name(*image); names.insert(name).second)
-          write_text_file(folder / name, image->bytes);
-  std::error_code stays;  // an image too many is no error
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (!names.contains(entry.path().filename().string())) fs::remove(entry.path(), stays);
+        if (const std::string name = kImages / file_name(*image); names.insert(name).second) {
+          write_text_file(output.path(name), image->bytes);
+          output.add(name);
+        }
 }
 
-/// `report`: the folder that the files of the run are relative to.
-ReportedRun reported(const RunPlaces& places, const fs::path& report,
+/// A report of a version that listed no files is replaced as well.
+bool is_report(const fs::path& folder) {
+  const json report = json_if_sound(folder / "report.json");
+  return report.is_object() && report.contains("schema") && report.contains("runs");
+}
+
+/// `report`: the folder that the files of the run are relative to; `scratch`: as of run_images.
+ReportedRun reported(const RunPlaces& places, const fs::path& report, const fs::path& scratch,
                      const RunReportRequest& request) {
   RunRecords records = read_records(places.run.root);
   if (!places.out.empty()) records.stages = json_if_sound(places.stages());
@@ -154,7 +161,7 @@ ReportedRun reported(const RunPlaces& places, const fs::path& report,
   made.run["size"]["player_bytes"] = bytes_of(made.run["files"], "Player");
   if (views) try {
       made.images = run_images([&](const ScoredView& view) { return views->view(view); },
-                               scored_views(records.metrics), report);
+                               scored_views(records.metrics), scratch);
     } catch (const InputError& error) {  // a window is loaded when a view of it is drawn
       note = error.what();
     }
@@ -191,9 +198,10 @@ json write_run_report(const RunReportRequest& request) {
   const bool compares = places.size() > 1;
   const fs::path folder = request.out.empty() ? places.front().whole / "report"
                                               : fs::absolute(request.out).lexically_normal();
-  make_folder(folder);
+  OutputFolder output(folder, "report", {}, request.overwrite || is_report(folder));
   std::vector<ReportedRun> runs;
-  for (const RunPlaces& run : places) runs.push_back(reported(run, folder, request));
+  for (const RunPlaces& run : places)
+    runs.push_back(reported(run, folder, output.staging(), request));
   tell_apart(runs, places);
   json report = {{"schema", kReportSchema},
                  {"kind", compares ? "comparison" : "run"},
@@ -205,20 +213,28 @@ json write_run_report(const RunReportRequest& request) {
   const auto place_images = [&](const std::function<std::string(const EncodedImage&)>& address) {
     for (size_t i = 0; i < runs.size(); ++i) add_images(report["runs"][i], runs[i].images, address);
   };
-  const auto beside = [](const EncodedImage& image) { return "images/" + file_name(image); };
+  const auto beside = [](const EncodedImage& image) {
+    return (kImages / file_name(image)).generic_string();
+  };
   const auto inside = [](const EncodedImage& image) {
     return data_address(image.type.c_str(), image.bytes);
   };
-  std::vector<std::pair<fs::path, std::string>> files;
+  std::vector<std::pair<std::string, std::string>> files;
   if (carries_pages()) {
     runs.size() <= kMostRunsInside ? place_images(inside) : place_images(beside);
-    files.emplace_back(folder / "index.html", filled_report_page(report));
+    files.emplace_back("index.html", filled_report_page(report));
   }
   place_images(beside);
-  write_images(folder / "images", runs);
-  files.emplace_back(folder / "report.json", report_text(report));
-  write_together(files);
-  report["page"] = files.front().first.string();
+  files.emplace_back("report.json", report_text(report));
+  output.written([&] {
+    write_images(output, runs);
+    for (const auto& [name, text] : files) {
+      write_text_file(output.path(name), text);
+      output.add(name);
+    }
+    output.finish();
+  });
+  report["page"] = (folder / files.front().first).string();
   return report;
 }
 

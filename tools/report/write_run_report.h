@@ -18,6 +18,7 @@ struct RunReportRequest {
   /// Called where there is a model whose views can be rendered.
   std::function<std::unique_ptr<Backend>()> backend;
   WindowsScorer score_windows{};  // called for a clip in windows without metrics.json
+  bool overwrite = false;         // the folder may have contents that no report has written
 };
 
 /// Whether the folder holds a run, as for `runs` of a request.
@@ -26,7 +27,7 @@ bool is_run(const std::filesystem::path& folder);
 /// Writes the files and returns what report.json holds, with `page`, the path of index.html, or in
 /// a build without web pages that of report.json. A run without metrics.json is scored for it. What
 /// cannot be rendered, for example because the scene is gone, is named in the report. Several runs
-/// are compared. Errors: InputError: no run, the folder cannot be written.
+/// are compared. Errors: InputError: no run; the folder has other contents, or cannot be written.
 nlohmann::json write_run_report(const RunReportRequest& request);
 
 }  // namespace tessera

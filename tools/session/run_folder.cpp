@@ -60,13 +60,14 @@ std::string RunFolder::made_for() const {
   }
 }
 
-void RunFolder::remove_leftovers() const {
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(root, ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (entry.is_regular_file(ignored) && name.starts_with(".") && name.ends_with(".partial"))
-      std::filesystem::remove(entry.path(), ignored);
-  }
+void RunFolder::require_no_foreign_file() const {
+  if (exists()) return;
+  for (const std::filesystem::path& file : {model(), metrics(), exposure(), log()})
+    if (std::filesystem::exists(file))
+      throw InputError(fmt::format(
+          "{}: no training has written this file, and it would be lost; move it away, or take "
+          "another folder with -o",
+          file.string()));
 }
 
 std::filesystem::path RunFolder::set_checkpoint_aside() const {

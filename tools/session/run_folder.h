@@ -24,6 +24,8 @@ struct RunFolder {
 
   /// Whether a training has written here.
   bool exists() const { return std::filesystem::exists(config()); }
+  /// Errors: InputError naming a file that a training would replace and none has written.
+  void require_no_foreign_file() const;
   /// Errors: InputError when it is missing or damaged.
   nlohmann::json read_config() const;
   /// The scene that was trained on; "" where no training has written here.
@@ -37,8 +39,6 @@ struct RunFolder {
   std::string made_for() const;
   /// Removes the files above, config.json first, and nothing else.
   void remove_files() const;
-  /// Removes parts of files that killed programs have left; the caller has the run's lock.
-  void remove_leftovers() const;
   /// Renames a checkpoint that was refused to checkpoint.refused (.2, .3, … where there is one);
   /// returns the name. Errors: InputError or WriteError.
   std::filesystem::path set_checkpoint_aside() const;

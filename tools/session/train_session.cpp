@@ -48,7 +48,7 @@ class Session {
   void set_up() {
     const RunFolder& run = writer_.folder();
     setup_ = wall_.time(WallSplit::kLoad, [&] { return previous_setup(request_, run, observer_); });
-    run.remove_leftovers();
+    remove_partial_files(run.root);
     complete_setup(setup_, request_, run, limit_.seconds(), wall_, observer_,
                    [&](const std::string& warning) { writer_.warn(warning); });
     left_ = setup_.stopped;

@@ -75,6 +75,7 @@ std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunF
   if (!run.exists()) {
     if (request.resume)
       throw InputError(fmt::format("{}: nothing to resume: it has no config.json", root));
+    run.require_no_foreign_file();
     return std::nullopt;
   }
   const bool has_checkpoint = std::filesystem::exists(run.checkpoint());

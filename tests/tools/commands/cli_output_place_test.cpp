@@ -95,6 +95,29 @@ TEST_F(CliOutputPlace, WhatIsMadeOfAModelNeither) {
   EXPECT_EQ(inside.exit_code, 0) << "a run folder is no such input: " << inside.err;
 }
 
+// Files of those names may be somebody's own. Bugs put back: a training, a run and a report replace
+// them, and a report empties its images/; each seen to fail.
+TEST_F(CliOutputPlace, FilesThatNoRunHasWrittenStay) {
+  for (const char* file : {"mine/model.ply", "mine/log.jsonl"}) {
+    work.write(file, "mine");
+    refused(train("mine"), {work.at(file), "move it away"});
+    fs::remove(work / file);
+  }
+  for (const char* file :
+       {"mine/run/metrics.json", "mine/player/index.html", "mine/frames/a.ply"}) {
+    work.write(file, "mine");
+    work.expect_refused(run("mine"), {"no "});
+    EXPECT_TRUE(work.read(file) == "mine") << file;
+    fs::remove(work / file);
+  }
+  ASSERT_EQ(work.train("run").exit_code, 0);
+  work.write("mine/images/000.jpg", "mine");  // as that of a reconstruction by COLMAP
+  refused({"report", work.at("run"), "-o", work.at("mine")}, {"did not write", "--overwrite"});
+  EXPECT_EQ(work.run({"report", work.at("run"), "-o", work.at("mine"), "--overwrite"}).exit_code,
+            0);
+  EXPECT_EQ(work.read("mine/images/000.jpg"), "mine");
+}
+
 // Bugs put back, one each: a prepared scene replaced without a word; a made capture likewise; each
 // seen to fail.
 TEST_F(CliOutputPlace, WhatTookHoursIsReplacedWithOverwriteOnly) {
