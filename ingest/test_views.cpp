@@ -22,11 +22,29 @@ std::string listed_names(const std::vector<std::string>& names) {
   return list;
 }
 
+std::vector<std::string> whole_names(const std::vector<std::string>& list,
+                                     const std::vector<std::string>& known) {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < list.size();) {
+    names.push_back(list[i]);
+    std::string joined = list[i];
+    size_t next = i + 1;
+    for (size_t k = i + 1; k < list.size(); ++k) {
+      joined += "," + list[k];
+      if (std::find(known.begin(), known.end(), joined) == known.end()) continue;
+      names.back() = joined;
+      next = k + 1;
+    }
+    i = next;
+  }
+  return names;
+}
+
 std::vector<Split> held_out_splits_of(const std::vector<std::string>& cameras,
                                       const std::vector<std::string>& held_out,
                                       const std::string& layout) {
   std::vector<Split> splits(cameras.size(), Split::kTrain);
-  for (const std::string& name : held_out) {
+  for (const std::string& name : whole_names(held_out, cameras)) {
     const auto found = std::find(cameras.begin(), cameras.end(), name);
     if (found == cameras.end())
       throw InputError(fmt::format("{}: no camera '{}' to hold out; the cameras are {}", layout,

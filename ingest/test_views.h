@@ -13,8 +13,12 @@ namespace tessera {
 /// `names` joined by commas; of more than a dozen the first ones and how many more there are.
 std::string listed_names(const std::vector<std::string>& names);
 
-/// kTest for the named ones, kTrain for the others. Errors: InputError that starts with `layout`: a
-/// name that is none of `cameras`, or all of them held out.
+/// `list` was split at commas; those in a name of `known` are put back.
+std::vector<std::string> whole_names(const std::vector<std::string>& list,
+                                     const std::vector<std::string>& known);
+
+/// kTest for the named ones, kTrain for the others; `held_out` as of whole_names. Errors:
+/// InputError that starts with `layout`: a name that is none of `cameras`, or all of them held out.
 std::vector<Split> held_out_splits_of(const std::vector<std::string>& cameras,
                                       const std::vector<std::string>& held_out,
                                       const std::string& layout);

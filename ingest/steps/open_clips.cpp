@@ -139,7 +139,8 @@ void take_poses(StatedCameras stated, bool strict, Capture& capture) {
 
 Capture open_clips(Capture capture, const StepContext& context) {
   if (capture.clips.empty()) return capture;
-  const IngestOptions& options = context.options;
+  IngestOptions options = context.options;
+  options.cameras = whole_names(options.cameras, clip_names(capture));
   std::optional<StatedCameras> stated = take_stated_cameras(options, capture);
   choose_cameras(options.cameras, capture);
   if (stated) leave_out_unposed(*stated, options.strict, capture);
