@@ -17,20 +17,18 @@ namespace tessera {
 
 namespace {
 
-constexpr size_t kBlock = 1 << 16;  // bytes
-
-/// Hands over the file's blocks at `places`, bytes from its begin; the whole file where there are
-/// none.
+/// Hands over the file's blocks of so many bytes at `places`, from its begin; the whole file where
+/// there are none.
 void read_blocks(const std::filesystem::path& file, const std::vector<int64_t>& places,
-                 Fnv1a& hash) {
+                 size_t bytes, Fnv1a& hash) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"),
                                                            std::fclose);
-  unsigned char block[kBlock];
+  std::vector<unsigned char> block(bytes);
   for (size_t i = 0; in != nullptr && (places.empty() || i < places.size()); ++i) {
     if (!places.empty() && std::fseek(in.get(), long(places[i]), SEEK_SET) != 0) break;
-    const size_t count = std::fread(block, 1, sizeof block, in.get());
-    hash.add(block, count);
-    if (places.empty() && count < sizeof block) break;
+    const size_t count = std::fread(block.data(), 1, bytes, in.get());
+    hash.add(block.data(), count);
+    if (places.empty() && count < bytes) break;
   }
   if (in == nullptr || std::ferror(in.get()) != 0)
     throw InputError(fmt::format("{}: cannot be read ({}); check the path and its permissions",
@@ -41,19 +39,18 @@ void read_blocks(const std::filesystem::path& file, const std::vector<int64_t>& 
 
 std::string source_hash(const std::filesystem::path& file) {
   Fnv1a hash;
-  read_blocks(file, {}, hash);
+  read_blocks(file, {}, kHashedBlock, hash);
   return hash.hex();
 }
 
-std::string sampled_hash(const std::filesystem::path& file) {
-  constexpr int64_t kBlocks = 16;
+std::string sampled_hash(const std::filesystem::path& file, int64_t blocks, size_t bytes) {
   std::error_code unread;  // is said when it is opened
-  const auto bytes = int64_t(std::filesystem::file_size(file, unread));
-  const int64_t last = unread ? 0 : std::max<int64_t>(0, bytes - int64_t(kBlock));
+  const auto size = int64_t(std::filesystem::file_size(file, unread));
+  const int64_t last = unread ? 0 : std::max<int64_t>(0, size - int64_t(bytes));
   std::vector<int64_t> places;
-  for (int64_t i = 0; i < kBlocks; ++i) places.push_back(i * last / (kBlocks - 1));
+  for (int64_t i = 0; i < blocks; ++i) places.push_back(i * last / (blocks - 1));
   Fnv1a hash;
-  read_blocks(file, places, hash);
+  read_blocks(file, places, bytes, hash);
   return hash.hex();
 }
 

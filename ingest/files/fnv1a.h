@@ -26,11 +26,14 @@ class Fnv1a {
   uint64_t hash_ = 0xcbf29ce484222325u;
 };
 
+inline constexpr size_t kHashedBlock = 1 << 16;  // bytes
+
 /// 16 hexadecimal digits. Errors: InputError when the file cannot be read.
 std::string source_hash(const std::filesystem::path& file);
 
-/// 16 hexadecimal digits of sixteen blocks of 64 KiB, spread over the file, both ends among them:
-/// tells two large files apart at once. Errors: as source_hash.
-std::string sampled_hash(const std::filesystem::path& file);
+/// 16 hexadecimal digits of `blocks` (two or more) of so many bytes, spread over the file, both
+/// ends among them: tells two large files apart at once. Errors: as source_hash.
+std::string sampled_hash(const std::filesystem::path& file, int64_t blocks = 16,
+                         size_t bytes = kHashedBlock);
 
 }  // namespace tessera

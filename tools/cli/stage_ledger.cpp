@@ -4,9 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -36,21 +34,6 @@ void add_files(const fs::path& at, std::vector<fs::path>& open, std::vector<fs::
   for (fs::directory_iterator it(at, error), end; !error && it != end; it.increment(error))
     add_files(it->path(), open, files);
   open.pop_back();
-}
-
-/// Of its first and last 4 KiB: the frames of videos and images differ there, too.
-std::string ends_hash(const fs::path& file, uintmax_t size) {
-  constexpr uintmax_t kEnd = 4096;
-  std::array<char, kEnd> bytes;
-  std::ifstream stream(file, std::ios::binary);
-  Fnv1a hash;
-  for (const uintmax_t from : {uintmax_t{0}, size > kEnd ? size - kEnd : 0}) {
-    stream.clear();
-    stream.seekg(std::streamoff(from));
-    stream.read(bytes.data(), std::streamsize(bytes.size()));
-    hash.add(bytes.data(), size_t(stream.gcount()));
-  }
-  return hash.hex();
 }
 
 }  // namespace
@@ -128,9 +111,10 @@ json file_stamps(const fs::path& path) {
   std::vector<fs::path> open, files;
   add_files(path, open, files);
   for (const fs::path& file : files) {
-    const uintmax_t size = fs::file_size(file);
-    stamps.push_back(fmt::format("{} {} {}", file.lexically_relative(path).generic_string(), size,
-                                 ends_hash(file, size)));
+    // of both ends: the frames of videos and images differ there, too
+    const std::string hash = sampled_hash(file, 2, 4096);
+    stamps.push_back(fmt::format("{} {} {}", file.lexically_relative(path).generic_string(),
+                                 fs::file_size(file), hash));
   }
   std::sort(stamps.begin(), stamps.end());
   return stamps;
