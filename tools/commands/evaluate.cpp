@@ -24,11 +24,11 @@
 #include "tools/commands/object_boxes.h"
 #include "tools/export/formats.h"
 #include "tools/export/image_files.h"
-#include "tools/export/output_folder.h"
 #include "tools/lpips/lpips.h"
 #include "tools/session/held_out_scores.h"
 #include "tools/session/locks.h"
 #include "tools/session/model_input.h"
+#include "tools/session/output_folder.h"
 #include "tools/session/run_folder.h"
 #include "tools/windows/windows_scores.h"
 

@@ -16,8 +16,8 @@
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
-#include "tools/export/output_folder.h"
 #include "tools/export/player_files.h"
+#include "tools/session/output_folder.h"
 #include "tools/session/version.h"
 
 namespace tessera {

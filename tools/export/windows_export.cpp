@@ -13,8 +13,8 @@
 #include "static3d/transform/world_change.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
-#include "tools/export/output_folder.h"
 #include "tools/export/player_files.h"
+#include "tools/session/output_folder.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {

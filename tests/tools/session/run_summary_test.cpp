@@ -1,5 +1,5 @@
 // The summary text of a run, also in builds that contain the player page.
-#include "tools/commands/run_summary.h"
+#include "tools/run/run_summary.h"
 
 #include <gtest/gtest.h>
 

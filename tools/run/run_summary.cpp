@@ -1,5 +1,5 @@
 // Formats the summary of a run from its JSON object.
-#include "tools/commands/run_summary.h"
+#include "tools/run/run_summary.h"
 
 #include <fmt/format.h>
 

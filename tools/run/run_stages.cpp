@@ -1,12 +1,11 @@
 // Runs the stages in order. The inputs of each stage contain those of the stage before it, so that
 // a change reruns all later stages.
-#include "tools/commands/run_stages.h"
+#include "tools/run/run_stages.h"
 
 #include <fmt/format.h>
 
 #include <chrono>
 #include <functional>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -24,10 +23,8 @@
 #include "tools/cli/backend_options.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/run_record.h"
-#include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/export/formats.h"
-#include "tools/export/output_folder.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_outputs.h"
 #include "tools/export/run_successor.h"
@@ -36,8 +33,10 @@
 #include "tools/live/stopped_training.h"
 #include "tools/live/view_child.h"
 #include "tools/report/write_run_report.h"
+#include "tools/run/run_stage.h"
 #include "tools/session/held_out_scores.h"
 #include "tools/session/locks.h"
+#include "tools/session/output_folder.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
 #include "tools/web/web_page.h"
@@ -60,15 +59,7 @@ IngestOptions defaults_for(const IngestOptions& options) {
   return defaults;
 }
 
-struct Stage {
-  int number;
-  const char *name, *entry;  // in messages; in stages.json
-
-  std::string message(const std::string& text) const {
-    return fmt::format("[{}/6] {}{}", number, name, text);
-  }
-};
-constexpr Stage kIngest{1, "ingest", "ingest"}, kTrain{2, "train", "train"},
+constexpr RunStage kIngest{1, "ingest", "ingest", false}, kTrain{2, "train", "train"},
     kEvaluate{3, "evaluate", "evaluate"}, kExport{4, "export", "export"},
     kPage{5, "page", "player"}, kReport{6, "report", "report"};
 
@@ -99,11 +90,11 @@ class Runner {
         ingest_options_(resolve_ingest(request.ingest)),
         root_(std::move(root)),
         run_{root_ / "run"},
-        ledger_(root_ / "stages.json") {}
+        stages_(root_ / "stages.json") {}
 
   /// False when interrupted.
   bool run() {
-    if (!ledger_.done(kAsked, asked_)) ledger_.begin(kAsked, asked_);
+    if (!stages_.ledger().done(kAsked, asked_)) stages_.ledger().begin(kAsked, asked_);
     if (!ingest()) return false;
     const SceneLock in_use(scene_, SceneLock::Use::kRead);
     planned_ = resolve_options(request_.training, scene_);
@@ -112,69 +103,32 @@ class Runner {
       say(note);
     choose_windows_of_scene();
     if (!train() || !evaluate_model()) return false;
-    if (!ledger_.done(kAsked, asked_)) ledger_.finish(kAsked, json::object());
+    if (!stages_.ledger().done(kAsked, asked_)) stages_.ledger().finish(kAsked, json::object());
     if (root_ != request_.out) take_place();
     return export_frames() && write_player() && write_report();
   }
 
   json result() const {
-    json result = ledger_.result("evaluate");
-    result["training"] = ledger_.result("train");
-    result["camera_table"] = ledger_.result("ingest").value("camera_table", json::array());
+    json result = stages_.ledger().result("evaluate");
+    result["training"] = stages_.ledger().result("train");
+    result["camera_table"] = stages_.ledger().result("ingest").value("camera_table", json::array());
     result["export"] = request_.export_frames > 0
-                           ? ledger_.result("export")
+                           ? stages_.ledger().result("export")
                            : json{{"folder", frames().string()}, {"frames", 0}, {"bytes", 0}};
-    if (carries_pages()) result["player"] = ledger_.result("player");
-    if (ledger_.is_finished(kReport.entry)) result["report"] = ledger_.result("report")["page"];
+    if (carries_pages()) result["player"] = stages_.ledger().result("player");
+    if (stages_.ledger().is_finished(kReport.entry))
+      result["report"] = stages_.ledger().result("report")["page"];
     result["model"] = windows_ > 1 ? run_.root.string() : run_.model().string();
     result["metrics"] = run_.metrics().string();
     result["scene"] = scene_.string();
     result["out"] = request_.out.string();
-    result["stage_seconds"] = seconds_;
+    result["stage_seconds"] = stages_.seconds();
     result["total_seconds"] = seconds_since(begin_);
     result["camera_path"] = camera_path_of(scene_without_pixels(scene_, true));
     return result;
   }
 
  private:
-  /// Does the stage unless it was done for these inputs and `product` is still there. `make`
-  /// returns its result, nothing where it was stopped before its end. False when interrupted.
-  bool do_stage(const Stage& stage, const json& inputs, const fs::path& product,
-                const std::function<std::optional<json>()>& make) {
-    const bool is_there = fs::exists(product);
-    if (ledger_.done(stage.entry, inputs) && is_there && is_as_written(stage, product)) {
-      say(stage.message(": done before, unchanged"));
-      return true;
-    }
-    say(stage.message(why_again(stage, inputs, is_there, product)));
-    const auto begin = Clock::now();
-    ledger_.begin(stage.entry, inputs);
-    const std::optional<json> result = make();
-    if (!result) return false;
-    seconds_[stage.name] = seconds_since(begin);
-    ledger_.finish(stage.entry, *result, seconds_[stage.name],
-                   is_checked(stage) ? file_stamps(product) : json());
-    say(stage.message(fmt::format(": done in {}", duration_text(seconds_[stage.name]))));
-    return !interrupted();
-  }
-
-  /// A prepared scene may be edited by hand: the files of its own are inputs of the next stage.
-  static bool is_checked(const Stage& stage) { return stage.entry != kIngest.entry; }
-  bool is_as_written(const Stage& stage, const fs::path& product) const {
-    return !is_checked(stage) || ledger_.wrote(stage.entry, file_stamps(product));
-  }
-
-  std::string why_again(const Stage& stage, const json& inputs, bool is_there,
-                        const fs::path& product) const {
-    if (!ledger_.is_finished(stage.entry)) return "";
-    if (!is_there) return fmt::format(" again: {} is gone", product.string());
-    if (!is_as_written(stage, product))
-      return fmt::format(" again: {} is not what this run has written", product.string());
-    const std::vector<std::string> changed = ledger_.changed(stage.entry, inputs);
-    return changed.empty() ? " again: what it was made of is not known"
-                           : " again: changed: " + text_of_changes(changed);
-  }
-
   /// The complete successor of a finished run moves from root_ to OUT.
   void take_place() {
     const fs::path from = root_;
@@ -182,7 +136,7 @@ class Runner {
     move_successor(from, root_);
     run_ = RunFolder{root_ / "run"};
     if (scene_ == from / "scene") scene_ = root_ / "scene";
-    ledger_ = StageLedger(root_ / "stages.json");
+    stages_.ledger() = StageLedger(root_ / "stages.json");
   }
 
   bool ingest() {
@@ -197,7 +151,7 @@ class Runner {
     inputs["as it is"] = as_it_is;
     scene_key_ = key_of(inputs);
     if (root_ != request_.out) share_scene(inputs, as_it_is);
-    return do_stage(kIngest, inputs, as_it_is ? scene_ : scene_ / "transforms.json", [&] {
+    return stages_.done(kIngest, inputs, as_it_is ? scene_ : scene_ / "transforms.json", [&] {
       json result = {{"scene", scene_.string()}};
       if (as_it_is) return std::optional(result);
       const IngestReport report = ingest_with_progress(request_.capture, scene_, options);
@@ -215,7 +169,7 @@ class Runner {
     const fs::path made = as_it_is ? scene_ : request_.out / "scene";
     if (!before.done(kIngest.entry, inputs) || !fs::exists(made)) return;
     scene_ = made;
-    ledger_.adopt(kIngest.entry, before);
+    stages_.ledger().adopt(kIngest.entry, before);
   }
 
   void choose_windows_of_scene() {
@@ -234,13 +188,13 @@ class Runner {
   bool train_windows_of_scene(json inputs) {
     inputs[kWindowsKey] = windows_;
     const fs::path plan = WindowsFolder{run_.root}.plan_file();
-    check_finished(plan_run(
-        {false, fs::exists(plan), ledger_.is_finished(kTrain.entry), ledger_.inputs(kTrain.entry)},
-        inputs, request_.overwrite));
+    check_finished(plan_run({false, fs::exists(plan), stages_.ledger().is_finished(kTrain.entry),
+                             stages_.ledger().inputs(kTrain.entry)},
+                            inputs, request_.overwrite));
     if (request_.view)
       warn(kTrain.message(fmt::format(": --view is of one training; of a window: tessera view {}",
                                       WindowsFolder{run_.root}.window_run(0).string())));
-    return do_stage(kTrain, inputs, plan, [&]() -> std::optional<json> {
+    return stages_.done(kTrain, inputs, plan, [&]() -> std::optional<json> {
       WindowsRequest windows;
       windows.scene = scene_;
       windows.root = run_.root;
@@ -258,12 +212,13 @@ class Runner {
     json inputs = asked_of_training(request_.training, planned_);
     inputs[kSceneFiles] = scene_key_;
     if (windows_ > 1) return train_windows_of_scene(std::move(inputs));
-    const RunPlan plan = plan_run({fs::exists(run_.checkpoint()), fs::exists(run_.model()),
-                                   ledger_.is_finished(kTrain.entry), ledger_.inputs(kTrain.entry)},
-                                  inputs, request_.overwrite);
+    const RunPlan plan = plan_run(
+        {fs::exists(run_.checkpoint()), fs::exists(run_.model()),
+         stages_.ledger().is_finished(kTrain.entry), stages_.ledger().inputs(kTrain.entry)},
+        inputs, request_.overwrite);
     check_finished(plan);
     if (plan.action == RunAction::kDone && fs::exists(run_.model()) &&
-        !is_as_written(kTrain, run_.model()))
+        !stages_.is_as_written(kTrain, run_.model()))
       throw InputError(fmt::format(
           "{}: is not the model that this run has trained: it was trained on, or is damaged; "
           "remove it to train again, or take another output folder",
@@ -274,7 +229,7 @@ class Runner {
     if (!resumes && plan.action != RunAction::kDone && fs::exists(run_.checkpoint()))
       set_checkpoint_aside(plan.changed);
     if (plan.action != RunAction::kDone) set_windows_aside();
-    return do_stage(kTrain, inputs, run_.model(), [&]() -> std::optional<json> {
+    return stages_.done(kTrain, inputs, run_.model(), [&]() -> std::optional<json> {
       TrainingTerminal terminal;
       LiveTraining live(terminal, run_.root, [&] {
         if (request_.view && !view_)
@@ -312,7 +267,7 @@ class Runner {
   }
 
   bool evaluate_model() {
-    return do_stage(kEvaluate, of_training({}), run_.metrics(), [&] {
+    return stages_.done(kEvaluate, of_training({}), run_.metrics(), [&] {
       const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
       const json scores = windows_ > 1
                               ? score_windows(*backend, WindowsFolder{run_.root}, kHeldOutSplits)
@@ -338,7 +293,7 @@ class Runner {
 
   /// Inputs of a stage that is made of the model.
   json of_training(json inputs) const {
-    inputs["files of the model"] = ledger_.finished_at(kTrain.entry);
+    inputs["files of the model"] = stages_.ledger().finished_at(kTrain.entry);
     return inputs;
   }
 
@@ -354,7 +309,7 @@ class Runner {
                         frames().string()));
       return true;
     }
-    return do_stage(
+    return stages_.done(
         kExport, of_training({{"export_frames", request_.export_frames}}),
         frames() / "manifest.json",
         [&] { return std::optional(write_run_frames(run_, frames(), request_.export_frames)); });
@@ -367,19 +322,19 @@ class Runner {
       return true;
     }
     const fs::path folder = root_ / "player";
-    return do_stage(kPage,
-                    of_training({{"title", request_.title}, {"description", request_.description}}),
-                    folder / kPageFile, [&] {
-                      return std::optional(
-                          write_run_player(run_, folder, request_.title, request_.description));
-                    });
+    return stages_.done(
+        kPage, of_training({{"title", request_.title}, {"description", request_.description}}),
+        folder / kPageFile, [&] {
+          return std::optional(
+              write_run_player(run_, folder, request_.title, request_.description));
+        });
   }
 
   /// A report that cannot be written is no reason to fail after hours of training.
   bool write_report() {
     const json inputs = of_training({{"export_frames", request_.export_frames}});
     try {
-      return do_stage(kReport, inputs, root_ / "report" / "report.json", [&] {
+      return stages_.done(kReport, inputs, root_ / "report" / "report.json", [&] {
         return std::optional(json{{"page", write_run_report({{root_}, {}, [&] {
                                                                return make_backend(
                                                                    request_.training.backend);
@@ -398,12 +353,11 @@ class Runner {
   IngestOptions ingest_options_;
   fs::path root_;
   RunFolder run_;
-  StageLedger ledger_;
+  RunStages stages_;
   fs::path scene_;
   std::string scene_key_;
   int64_t windows_ = 1;  // of the clip
   const Clock::time_point begin_ = Clock::now();
-  std::map<std::string, double> seconds_;  // by the names of the stages that ran
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Writes the manifest tessera_output.json, manages the hidden folder, and checks which files may be
 // replaced.
-#include "tools/export/output_folder.h"
+#include "tools/session/output_folder.h"
 
 #include <fmt/format.h>
 
