@@ -28,9 +28,10 @@ StatedCameras matched(Calibration calibration, const std::vector<std::string>& c
   if (calibration.by_row) {
     if (calibration.cameras.size() != clips.size())
       throw InputError(fmt::format(
-          "{}: has {} rows, the folder has {} videos; remove the videos without a pose or add the "
+          "{}: has {} rows, the capture {} cameras ({}); remove those without a pose or add the "
           "missing ones",
-          calibration.path.string(), calibration.cameras.size(), clips.size()));
+          calibration.path.string(), calibration.cameras.size(), clips.size(),
+          listed_names(clips)));
     for (size_t i = 0; i < clips.size(); ++i) match.camera.emplace_back(i);
   } else {
     match = match_views(calibration.cameras, clips);
@@ -44,7 +45,18 @@ StatedCameras matched(Calibration calibration, const std::vector<std::string>& c
     camera = calibration.cameras[*match.camera[i]];
     camera->name = clips[i];
   }
-  for (const RigCamera& camera : calibration.cameras) stated.stated_names.push_back(camera.name);
+  std::vector<std::string> without_clip;
+  for (size_t k = 0; k < calibration.cameras.size(); ++k) {
+    stated.stated_names.push_back(calibration.cameras[k].name);
+    const bool is_used =
+        std::find(match.camera.begin(), match.camera.end(), k) != match.camera.end() ||
+        match_views({calibration.cameras[k]}, clips).refusal.empty();  // several images of a camera
+    if (!is_used) without_clip.push_back(stated.stated_names.back());
+  }
+  if (!without_clip.empty())
+    warnings.push_back(fmt::format("{}: the capture has no clip of {}; it has {}",
+                                   calibration.path.string(), listed_names(without_clip),
+                                   listed_names(clips)));
   stated.points = std::move(calibration.points);
   stated.origin = calibration.origin;
   stated.by_row = calibration.by_row;

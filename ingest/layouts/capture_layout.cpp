@@ -208,11 +208,11 @@ CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
   return CaptureLayout::kVideos;
 }
 
-std::vector<ImageSequence> sequences_of(const fs::path& capture,
-                                        std::optional<ImageLayout> image_layout) {
+ImageSequences sequences_of(const fs::path& capture, std::optional<ImageLayout> image_layout) {
   if (image_layout == ImageLayout::kMoving) {
     for (const auto& folder : {capture, capture / "images"})
-      if (fs::is_directory(folder) && !images_in(folder).empty()) return {single_sequence(folder)};
+      if (fs::is_directory(folder) && !images_in(folder).empty())
+        return {{single_sequence(folder)}, RigEvidence::kNone, ""};
     throw InputError(fmt::format(
         "{}: has no images, in it or in images, which --layout moving reads", capture.string()));
   }
@@ -222,7 +222,7 @@ std::vector<ImageSequence> sequences_of(const fs::path& capture,
         "{}: --layout rig is given, but there are no numbered images of several cameras; expected "
         "a folder a camera (cam00/000000.jpg) or names like cam00_000000.jpg",
         capture.string()));
-  return std::move(found.cameras);
+  return found;
 }
 
 std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {

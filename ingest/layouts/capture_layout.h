@@ -38,8 +38,8 @@ bool has_images(const std::filesystem::path& capture);
 
 /// The sequences of a capture that is read as kSequences: one a camera, or with kMoving one in all.
 /// Errors: InputError: no images, or no two sequences with common numbers.
-std::vector<ImageSequence> sequences_of(const std::filesystem::path& capture,
-                                        std::optional<ImageLayout> image_layout);
+ImageSequences sequences_of(const std::filesystem::path& capture,
+                            std::optional<ImageLayout> image_layout);
 
 /// Subfolders and links that may be some, by name; hidden ones and the output folder are none of
 /// them. Errors: InputError when `folder` cannot be read.

@@ -5,6 +5,8 @@
 
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/layouts/layout_readers.h"
+#include "ingest/layouts/unread_files.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -33,12 +35,36 @@ std::vector<RigClip> video_clips(const std::filesystem::path& folder) {
   return clips;
 }
 
+std::string names_of(const std::vector<std::filesystem::path>& files) {
+  std::vector<std::string> names;
+  for (const std::filesystem::path& file : files) names.push_back(file.filename().string());
+  return listed_names(names);
+}
+
 /// Numbered images of several cameras, or of one that moves.
 std::vector<RigClip> image_clips(const std::filesystem::path& folder,
-                                 std::optional<ImageLayout> image_layout) {
+                                 std::optional<ImageLayout> image_layout,
+                                 std::vector<std::string>& warnings) {
   std::vector<RigClip> clips;
-  for (ImageSequence& sequence : sequences_of(folder, image_layout))
+  ImageSequences found = sequences_of(folder, image_layout);
+  const auto warn_of_images = [&](const std::string& where,
+                                  const std::vector<std::filesystem::path>& files) {
+    if (!files.empty())
+      warnings.push_back(
+          fmt::format("{}: not read, as their names have no number or that of another image: {}",
+                      where, names_of(files)));
+  };
+  for (ImageSequence& sequence : found.cameras) {
+    warn_of_images(sequence.path.string(), sequence.unread);
     clips.push_back({sequence.camera, sequence.path, {}, {}, std::move(sequence.images)});
+  }
+  if (!found.in_folders)
+    warn_of_images(folder.string(), found.unread);
+  else if (!found.unread.empty())
+    warnings.push_back(fmt::format(
+        "{}: not read, as they are not called like cameras (cam00), though their images "
+        "have the cameras' numbers: {}",
+        folder.string(), names_of(found.unread)));
   return clips;
 }
 
@@ -49,7 +75,10 @@ Capture read_clip_layout(const std::filesystem::path& folder, const IngestOption
   Capture capture;
   capture.folder = folder;
   capture.layout = of_images ? "sequences" : "videos";
-  capture.clips = of_images ? image_clips(folder, options.image_layout) : video_clips(folder);
+  capture.clips =
+      of_images ? image_clips(folder, options.image_layout, capture.warnings) : video_clips(folder);
+  for (std::string& line : unread_clips(folder, capture.clips))
+    capture.warnings.push_back(std::move(line));
   for (const RigClip& clip : capture.clips)
     if (!clip.chapters.empty())
       capture.notes.push_back(fmt::format("{}: camera {} is {} chapters of one recording, {} to {}",

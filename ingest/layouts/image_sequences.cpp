@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -18,28 +19,58 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The images by camera; nothing where one is not numbered or a number comes twice.
-std::map<std::string, ImageSequence> sequences_by_name(const fs::path& folder) {
+struct NamedSequences {
   std::map<std::string, ImageSequence> cameras;
-  for (const fs::path& file : images_in(folder)) {
+  std::vector<fs::path> unread;  // not numbered, or with a number of another file
+};
+
+/// Of two images with one number that with the extension which more images have.
+std::map<std::string, size_t> images_of_extension(const std::vector<fs::path>& images) {
+  std::map<std::string, size_t> counts;
+  for (const fs::path& file : images) ++counts[file.extension().string()];
+  return counts;
+}
+
+/// The images by camera.
+NamedSequences named_sequences(const fs::path& folder) {
+  NamedSequences found;
+  const std::vector<fs::path> images = images_in(folder);
+  std::map<std::string, size_t> like = images_of_extension(images);
+  for (const fs::path& file : images) {
     const auto name = parse_stem(file.stem().string());
-    if (!name) return {};
-    ImageSequence& camera = cameras[name->camera];
+    if (!name) {
+      found.unread.push_back(file);
+      continue;
+    }
+    ImageSequence& camera = found.cameras[name->camera];
     camera.camera = name->camera;
     camera.path = folder / name->camera;
     camera.images.push_back({name->number, file});
   }
-  for (auto& [name, camera] : cameras) {
-    const auto by_number = [](const NumberedImage& a, const NumberedImage& b) {
-      return a.number < b.number;
+  for (auto& [name, camera] : found.cameras) {
+    std::stable_sort(camera.images.begin(), camera.images.end(),
+                     [&](const NumberedImage& a, const NumberedImage& b) {
+                       return a.number != b.number ? a.number < b.number
+                                                   : like[a.file.extension().string()] >
+                                                         like[b.file.extension().string()];
+                     });
+    const auto again = [](const NumberedImage& a, const NumberedImage& b) {
+      return a.number == b.number;
     };
-    std::stable_sort(camera.images.begin(), camera.images.end(), by_number);
-    const auto twice = std::adjacent_find(
-        camera.images.begin(), camera.images.end(),
-        [](const NumberedImage& a, const NumberedImage& b) { return a.number == b.number; });
-    if (twice != camera.images.end()) return {};
+    std::vector<NumberedImage> once;
+    std::unique_copy(camera.images.begin(), camera.images.end(), std::back_inserter(once), again);
+    for (size_t i = 1; i < camera.images.size(); ++i)
+      if (again(camera.images[i - 1], camera.images[i]))
+        found.unread.push_back(camera.images[i].file);
+    camera.images = std::move(once);
   }
-  return cameras;
+  return found;
+}
+
+/// The same; nothing where a file does not fit.
+std::map<std::string, ImageSequence> sequences_by_name(const fs::path& folder) {
+  NamedSequences found = named_sequences(folder);
+  return found.unread.empty() ? std::move(found.cameras) : std::map<std::string, ImageSequence>{};
 }
 
 std::vector<fs::path> folders_in(const fs::path& folder) {
@@ -60,22 +91,27 @@ bool is_posed_capture(const fs::path& folder) {
          fs::exists(folder / "poses_bounds.npy");
 }
 
-/// The sub-folders that hold one sequence each; only those named as cameras where two are.
+bool is_called_camera(const ImageSequence& sequence) {
+  return is_camera_name(sequence.camera);
+}
+
+/// The sub-folders that hold one sequence each, but for a few other files; only those named as
+/// cameras where two are.
 std::vector<ImageSequence> sequences_by_folder(const fs::path& folder) {
   std::vector<ImageSequence> cameras;
   for (const fs::path& candidate : folders_in(folder)) {
     if (is_posed_capture(candidate)) continue;
     const fs::path inner = candidate / "images";
     const fs::path place = fs::is_directory(inner) ? inner : candidate;
-    auto sequences = sequences_by_name(place);
-    if (sequences.size() != 1) continue;
-    ImageSequence& camera = cameras.emplace_back(std::move(sequences.begin()->second));
+    NamedSequences found = named_sequences(place);
+    if (found.cameras.size() != 1) continue;
+    ImageSequence& first = found.cameras.begin()->second;
+    if (found.unread.size() >= first.images.size()) continue;
+    ImageSequence& camera = cameras.emplace_back(std::move(first));
     camera.camera = candidate.filename().string();
     camera.path = candidate;
+    camera.unread = std::move(found.unread);
   }
-  const auto is_camera = [](const ImageSequence& s) { return is_camera_name(s.camera); };
-  if (std::count_if(cameras.begin(), cameras.end(), is_camera) > 1)
-    std::erase_if(cameras, [&](const ImageSequence& s) { return !is_camera(s); });
   std::sort(cameras.begin(), cameras.end(),
             [](const ImageSequence& a, const ImageSequence& b) { return a.camera < b.camera; });
   return cameras;
@@ -122,6 +158,18 @@ bool is_alike_but_few(std::vector<ImageSequence> cameras) {
   return is_alike(cameras);
 }
 
+/// Keeps those that are named as cameras where two are; `others`: the folders of those that go
+/// although their numbers are the cameras'.
+void keep_cameras(std::vector<ImageSequence>& sequences, std::vector<fs::path>& others) {
+  if (std::count_if(sequences.begin(), sequences.end(), is_called_camera) < 2) return;
+  const auto first_other =
+      std::stable_partition(sequences.begin(), sequences.end(), is_called_camera);
+  const std::vector<ImageSequence> cameras(sequences.begin(), first_other);
+  for (auto other = first_other; other != sequences.end(); ++other)
+    if (is_alike({cameras.front(), *other})) others.push_back(other->path);
+  sequences.erase(first_other, sequences.end());
+}
+
 ImageSequences judged(std::vector<ImageSequence> cameras, bool in_folders) {
   constexpr size_t kTelling = 8;  // equal numbers in names that are no cameras'; brackets are fewer
   ImageSequences found{std::move(cameras), RigEvidence::kNone, "", in_folders};
@@ -150,15 +198,25 @@ ImageSequences find_image_sequences(const fs::path& capture) {
   for (const fs::path& folder : {capture, capture / "images"}) {
     if (!fs::is_directory(folder) || images_in(folder).empty()) continue;
     std::vector<ImageSequence> cameras;
-    for (auto& [name, camera] : sequences_by_name(folder)) cameras.push_back(std::move(camera));
-    return judged(std::move(cameras), false);
+    NamedSequences named = named_sequences(folder);
+    for (auto& [name, camera] : named.cameras) cameras.push_back(std::move(camera));
+    const bool is_rig =
+        cameras.size() > 1 && std::all_of(cameras.begin(), cameras.end(), is_called_camera);
+    if (!named.unread.empty() && !is_rig) return {};
+    ImageSequences found = judged(std::move(cameras), false);
+    found.unread = std::move(named.unread);
+    return found;
   }
   if (has_images(capture)) return {};  // images_4 and the like: a photo set
   ImageSequences best;
   for (const fs::path& folder :
        {capture, capture / "images", capture / "ims", capture / "frames", capture / "rgb"}) {
     if (!fs::is_directory(folder)) continue;
-    ImageSequences found = judged(sequences_by_folder(folder), true);
+    std::vector<ImageSequence> cameras = sequences_by_folder(folder);
+    std::vector<fs::path> others;
+    keep_cameras(cameras, others);
+    ImageSequences found = judged(std::move(cameras), true);
+    found.unread = std::move(others);
     if (found.evidence > best.evidence || best.cameras.empty()) best = std::move(found);
   }
   return best;

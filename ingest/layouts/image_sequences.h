@@ -14,6 +14,7 @@ struct ImageSequence {
   std::string camera;  // "cam02": the name of its folder, or what its files' names begin with
   std::filesystem::path path;         // its folder, or the folder of all and its name, for messages
   std::vector<NumberedImage> images;  // numbers increase
+  std::vector<std::filesystem::path> unread{};  // in its folder: not numbered, or numbers again
 };
 
 /// Whether images are those of several cameras that film together.
@@ -29,6 +30,7 @@ struct ImageSequences {
   RigEvidence evidence = RigEvidence::kNone;
   std::string seen;         // "3 folders of numbered images (a, b, c), 8 numbers in all of them"
   bool in_folders = false;  // one folder a sequence; false: all lie in one folder
+  std::vector<std::filesystem::path> unread{};  // what lies beside them and looks alike
 };
 
 /// Of images directly in `capture` or its `images`, by their names: cam00_0001.png,

@@ -6,9 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <string_view>
 
+#include "ingest/images/image_names.h"
 #include "ingest/images/image_paths.h"
+#include "ingest/layouts/video_files.h"
+#include "ingest/test_views.h"
 #include "kernels/base/lower_case.h"
 
 namespace tessera {
@@ -26,20 +30,6 @@ std::string unread_extension(const fs::path& file) {
   return is_unread ? extension : "";
 }
 
-void count_unread(const fs::path& folder, int levels, std::map<std::string, int64_t>& counts) {
-  std::error_code unreachable;
-  for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
-    std::error_code unresolved;
-    if (entry.path().filename().string().starts_with('.')) continue;
-    if (entry.is_directory(unresolved)) {
-      if (levels > 0) count_unread(entry.path(), levels - 1, counts);
-      continue;
-    }
-    if (const std::string extension = unread_extension(entry.path()); !extension.empty())
-      ++counts[extension];
-  }
-}
-
 /// In it or one level below.
 bool holds_images(const fs::path& folder, int levels = 1) {
   std::error_code unreachable;
@@ -53,13 +43,41 @@ bool holds_images(const fs::path& folder, int levels = 1) {
   return false;
 }
 
+/// Down to so many levels, by name; hidden ones are left out.
+std::vector<fs::path> folders_below(const fs::path& folder, int levels) {
+  std::vector<fs::path> found;
+  std::error_code unreachable;
+  for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
+    std::error_code unresolved;
+    if (entry.path().filename().string().starts_with('.') || !entry.is_directory(unresolved))
+      continue;
+    found.push_back(entry.path());
+    if (levels == 1) continue;
+    const std::vector<fs::path> inner = folders_below(entry.path(), levels - 1);
+    found.insert(found.end(), inner.begin(), inner.end());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 }  // namespace
 
 std::vector<std::string> unread_files(const fs::path& capture, bool has_masks) {
   constexpr int kLevels = 2;
   std::vector<std::string> lines;
   std::map<std::string, int64_t> counts;
-  count_unread(capture, kLevels, counts);
+  std::vector<fs::path> folders = folders_below(capture, kLevels);
+  folders.push_back(capture);
+  for (const fs::path& folder : folders) {
+    std::error_code unreachable;
+    for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
+      std::error_code unresolved;
+      const fs::path& file = entry.path();
+      const bool is_file = !entry.is_directory(unresolved);
+      const std::string extension = is_file ? unread_extension(file) : "";
+      if (!extension.empty() && !file.filename().string().starts_with('.')) ++counts[extension];
+    }
+  }
   for (const auto& [extension, count] : counts)
     lines.push_back(fmt::format(
         "{}: {} {} {} not read; to use them, convert them to JPEG or PNG, or videos to MP4",
@@ -69,6 +87,40 @@ std::vector<std::string> unread_files(const fs::path& capture, bool has_masks) {
         fmt::format("{}: holds images and is not read; to ignore what is black there, "
                     "pass --masks {}",
                     masks.string(), masks.string()));
+  return lines;
+}
+
+std::vector<std::string> unread_clips(const fs::path& capture, const std::vector<RigClip>& clips) {
+  std::vector<std::string> lines, unread;
+  std::set<fs::path> read;
+  std::set<std::string> names;
+  for (const RigClip& clip : clips) {
+    read.insert(clip.video);
+    read.insert(clip.chapters.begin(), clip.chapters.end());
+    names.insert(clip.name);
+  }
+  const bool of_videos = clips.empty() || clips.front().images.empty();
+  for (const fs::path& folder : of_videos ? folders_below(capture, 2) : std::vector<fs::path>{})
+    for (const fs::path& video : videos_in(folder))
+      if (!read.contains(video))
+        unread.push_back(video.lexically_relative(capture).generic_string());
+  if (!unread.empty())
+    lines.push_back(
+        fmt::format("{}: not read, though they are videos: {}; the videos of a rig lie side by "
+                    "side, or each in a folder of its own",
+                    capture.string(), listed_names(unread)));
+  unread.clear();
+  for (const char* place : {"", "images", "ims", "frames", "rgb"})
+    for (const fs::path& folder : folders_below(capture / place, 1)) {
+      const std::string name = folder.filename().string();
+      if (is_camera_name(name) && !names.contains(name) && holds_images(folder))
+        unread.push_back(folder.lexically_relative(capture).generic_string());
+    }
+  if (!unread.empty())
+    lines.push_back(fmt::format(
+        "{}: not read, though they are called like cameras and hold images: {}; the images of a "
+        "camera are one series, numbered as those of the others",
+        capture.string(), listed_names(unread)));
   return lines;
 }
 

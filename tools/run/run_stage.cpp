@@ -19,7 +19,8 @@ std::string RunStage::message(const std::string& text) const {
   return fmt::format("[{}/6] {}{}", number, name, text);
 }
 
-bool RunStages::done(const RunStage& stage, const json& inputs, const std::filesystem::path& product,
+bool RunStages::done(const RunStage& stage, const json& inputs,
+                     const std::filesystem::path& product,
                      const std::function<std::optional<json>()>& make) {
   const bool is_there = std::filesystem::exists(product);
   if (ledger_.done(stage.entry, inputs) && is_there && is_as_written(stage, product)) {

@@ -1,5 +1,5 @@
-// One stage of `tessera run`: it is done again only where what it is made of has changed, or what it
-// made is gone or is another's.
+// One stage of `tessera run`: it is done again only where what it is made of has changed, or what
+// it made is gone or is another's.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -28,7 +28,8 @@ class RunStages {
 
   /// Does the stage unless it was done for these inputs and `product` is still there. `make`
   /// returns its result, nothing where it was stopped before its end. False when interrupted.
-  bool done(const RunStage& stage, const nlohmann::json& inputs, const std::filesystem::path& product,
+  bool done(const RunStage& stage, const nlohmann::json& inputs,
+            const std::filesystem::path& product,
             const std::function<std::optional<nlohmann::json>()>& make);
   /// Whether `product` is what the stage has made, as far as that is told.
   bool is_as_written(const RunStage& stage, const std::filesystem::path& product) const;

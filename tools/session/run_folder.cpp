@@ -61,7 +61,8 @@ std::string RunFolder::made_for() const {
 }
 
 void RunFolder::require_no_foreign_file() const {
-  if (exists()) return;
+  const bool of_windows = std::filesystem::exists(root / "windows");  // windows_folder.h
+  if (exists() || of_windows) return;
   for (const std::filesystem::path& file : {model(), metrics(), exposure(), log()})
     if (std::filesystem::exists(file))
       throw InputError(fmt::format(

@@ -37,7 +37,7 @@ TEST(ImageSequences, CommonRigLayoutsAreRigs) {
     const TemporaryFolder folder;
     write_names(folder.path(), pattern, 3, 5, 1);
     EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kSequences) << pattern;
-    const auto sequences = sequences_of(folder.path(), std::nullopt);
+    const auto sequences = sequences_of(folder.path(), std::nullopt).cameras;
     ASSERT_EQ(sequences.size(), 3u) << pattern;
     EXPECT_NE(sequences[1].camera.find('2'), std::string::npos) << pattern;
     EXPECT_EQ(sequences[1].camera.find("img"), std::string::npos) << pattern;
@@ -119,6 +119,40 @@ TEST(ImageSequences, AmbiguousNamesAreRefused) {
   expect_input_error([&] { sequences_of(empty.path(), ImageLayout::kMoving); }, {"no images"});
 }
 
+// One file too many is no reason to lose a camera. Bugs put back, each seen to fail: such a camera
+// is left out; the image of the rarer extension is taken; masks that lie between the images are; a
+// folder with the cameras' numbers, or a file between those of all cameras, is not named.
+TEST(ImageSequences, OtherFilesAreNamedAndLeftOut) {
+  const TemporaryFolder folder;
+  write_names(folder.path(), "cam{c:02}/{t:05}.png", 4, 8);
+  write_names(folder.path(), "top/{t:05}.png", 1, 8);
+  write_names(folder.path(), "other/{t:05}.png", 1, 3);
+  for (const char* file : {"cam01/thumbnail.png", "cam02/00003.jpg", "cam02/00003_edit.png"})
+    write_bytes(folder / file, "");
+  const ImageSequences found = sequences_of(folder.path(), std::nullopt);
+  ASSERT_EQ(found.cameras.size(), 4u);
+  for (const ImageSequence& camera : found.cameras) EXPECT_EQ(camera.images.size(), 8u);
+  EXPECT_EQ(found.cameras[2].images[3].file.extension(), ".png");
+  EXPECT_TRUE(found.cameras[0].unread.empty());
+  ASSERT_EQ(found.cameras[1].unread.size(), 1u);
+  EXPECT_EQ(found.cameras[1].unread[0].filename(), "thumbnail.png");
+  EXPECT_EQ(found.cameras[2].unread.size(), 2u);
+  ASSERT_EQ(found.unread.size(), 1u);
+  EXPECT_EQ(found.unread[0].filename(), "top");
+
+  const TemporaryFolder flat;
+  write_names(flat.path(), "cam{c:02}_{t:04}.png", 3, 8);
+  write_bytes(flat / "preview.png", "");
+  EXPECT_EQ(detect_layout(flat.path()), CaptureLayout::kSequences);
+  EXPECT_EQ(sequences_of(flat.path(), std::nullopt).cameras.size(), 3u);
+  EXPECT_EQ(sequences_of(flat.path(), std::nullopt).unread.size(), 1u);
+
+  const TemporaryFolder masked;  // half of the images are something else
+  write_names(masked.path(), "cam{c:02}/{t:05}.png", 3, 8);
+  write_names(masked.path(), "cam{c:02}/{t:05}_mask.png", 3, 8);
+  EXPECT_TRUE(find_image_sequences(masked.path()).cameras.empty());
+}
+
 // A camera that failed early is one of the rig. Bug put back: numbers that all cameras have decide;
 // seen to fail (no images in it).
 TEST(ImageSequences, AShortCameraIsOfTheRig) {
@@ -127,7 +161,7 @@ TEST(ImageSequences, AShortCameraIsOfTheRig) {
     write_names(folder.path(), "cam{c:02}/{t:05}.png", 3, 16);
     write_names(folder.path(), "cam{c:02}/{t:05}.png", 1, numbers, 3);
     EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kSequences);
-    EXPECT_EQ(sequences_of(folder.path(), std::nullopt).size(), 4u);
+    EXPECT_EQ(sequences_of(folder.path(), std::nullopt).cameras.size(), 4u);
   }
   const TemporaryFolder folder;  // half of the cameras short: no rig that is known as one
   write_names(folder.path(), "cam{c:02}/{t:05}.png", 2, 16);

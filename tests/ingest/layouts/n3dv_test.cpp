@@ -251,8 +251,9 @@ TEST_F(N3dv, StatedOffsetsMoveTimesAndTheCommonPart) {
 
 TEST_F(N3dv, RowsAndVideosMustBeAsMany) {
   write_poses(2);
-  expect_input_error([&] { ingest(); },
-                     {"poses_bounds.npy: has 2 rows, the folder has 3 videos; "});
+  expect_input_error(
+      [&] { ingest(); },
+      {"poses_bounds.npy: has 2 rows, the capture 3 cameras (cam00, cam01, cam02); "});
 }
 
 TEST_F(N3dv, AnotherShapeIsRefused) {
