@@ -82,19 +82,41 @@ BatchRun make_run(const BatchFolder& batch, const std::string& scene, const std:
   return run;
 }
 
+/// Whether the run in `folder` was begun with what is asked for now, as far as it has noted that.
+bool is_as_asked(const BatchFolder& batch, const json& variant, const json& seed,
+                 const fs::path& folder) {
+  std::vector<std::string> ignored;
+  const json job = read_object(folder / "batch.json", ignored);
+  const json begun = job.is_object() ? job.value("asked", json()) : json();
+  json now{{"seed", seed}, {"preset", variant.value("preset", json())}};
+  for (const char* key : {"deterministic", "windows"}) now[key] = batch.asked.value(key, json());
+  now["options"] = variant.value("options", json::object());
+  for (const char* key : {"checkpoint_every", "evaluate_every", "time_limit"})  // as settings.py
+    now["options"].erase(key);
+  for (const auto& [key, value] : now.items())
+    if (begun.is_object() && begun.contains(key) && begun[key] != value) return false;
+  return true;
+}
+
 void add_asked(BatchFolder& batch) {
   for (const json& scene : array_of(batch.asked, "scenes"))
     for (const json& variant : array_of(batch.asked, "variants"))
-      for (const json& seed : array_of(batch.asked, "seeds"))
-        if (scene.is_object() && variant.is_object() && seed.is_number_integer())
-          batch.runs.push_back(make_run(batch, word_of(scene, "name"), word_of(variant, "name"),
-                                        seed.get<int64_t>()));
+      for (const json& seed : array_of(batch.asked, "seeds")) {
+        if (!scene.is_object() || !variant.is_object() || !seed.is_number_integer()) continue;
+        BatchRun run =
+            make_run(batch, word_of(scene, "name"), word_of(variant, "name"), seed.get<int64_t>());
+        run.has_other_result =
+            run.state == RunState::kDone && !is_as_asked(batch, variant, seed, run.folder);
+        if (run.has_other_result) run.state = RunState::kMissing;
+        batch.runs.push_back(std::move(run));
+      }
 }
 
-/// Finished runs that are not among the requested ones, to `found`.
+/// Finished runs that are not among the requested ones, by path, to `found`.
 void add_found(const BatchFolder& batch, std::vector<BatchRun>& found) {
   std::set<fs::path> known;
-  for (const BatchRun& run : batch.runs) known.insert(run.folder);
+  for (const BatchRun& run : batch.runs)
+    if (!run.has_other_result) known.insert(run.folder);
   constexpr std::string_view kSeed = "seed-";
   for (const fs::path& scene : sorted_entries(batch.root / "runs"))
     for (const fs::path& preset : sorted_entries(scene))

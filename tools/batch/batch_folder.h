@@ -34,14 +34,15 @@ struct BatchRun {
   int64_t seed = 0;
   std::filesystem::path folder;
   RunState state = RunState::kMissing;
-  std::string error;  // of a failure that concerns it
+  std::string error;              // of a failure that concerns it
+  bool has_other_result = false;  // its folder has the result of an earlier request, and no other
 };
 
 struct BatchFolder {
   std::filesystem::path root;
   nlohmann::json asked = nlohmann::json::object();  // asked.json; empty before the first start
   std::vector<BatchRun> runs;                       // scene by scene, in the order of the request
-  std::vector<BatchRun> earlier;                    // finished, but not of this request; by path
+  std::vector<BatchRun> earlier;                    // finished, but not of this request
   std::vector<BatchFailure> failures;               // by file name
   std::vector<std::string> notes;                   // what could not be read, one line each
 

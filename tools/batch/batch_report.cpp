@@ -68,6 +68,12 @@ class RunReader {
     JobRecords jobs;
     jobs.ingest = record(fs::path("scenes") / (run.scene + ".json"));
     const fs::path folder = run.folder.lexically_relative(batch_.root);
+    if (run.has_other_result) {
+      json report = run_report({});
+      add_batch(run, folder, jobs, report);
+      report["files"] = json::array();
+      return report;
+    }
     jobs.trained = record(folder / "train.json");
     jobs.metrics = record(folder / "metrics.json");
     const fs::path exports = exports_of(run);
