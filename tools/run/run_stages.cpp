@@ -371,7 +371,7 @@ std::optional<json> run_stages(const RunRequest& request, std::unique_ptr<ViewCh
   const RunFolder run{request.out / "run"};
   run.require_no_foreign_file();
   for (const fs::path& folder : {request.out / "player", request.out / "frames"})
-    if (has_foreign_contents(folder))
+    if (has_foreign_contents(folder, "export"))
       throw InputError(fmt::format(
           "{}: has contents that no run has written, where this one would write; take another "
           "output folder, or move them away",

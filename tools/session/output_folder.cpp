@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -27,23 +28,25 @@ bool stays_inside(const fs::path& file) {
   return file.is_relative() && !file.empty();
 }
 
-std::vector<std::string> listed_files(const fs::path& folder) {
-  std::vector<std::string> files;
-  if (!fs::exists(folder / kManifest)) return files;
+/// The files that `command` has listed there; nothing where it has listed none.
+std::optional<std::vector<std::string>> listed_files(const fs::path& folder,
+                                                     const std::string& command) {
+  if (!fs::exists(folder / kManifest)) return std::nullopt;
   const nlohmann::json manifest = read_json(folder / kManifest);
-  const auto listed = manifest.find("files");
-  if (listed == manifest.end() || !listed->is_array()) return files;
-  for (const nlohmann::json& file : *listed)
+  if (!manifest.is_object() || manifest.value("written_by", "") != "tessera " + command)
+    return std::nullopt;
+  std::vector<std::string> files;
+  for (const nlohmann::json& file : manifest.value("files", nlohmann::json::array()))
     if (file.is_string() && stays_inside(file.get<std::string>())) files.push_back(file);
   return files;
 }
 
 }  // namespace
 
-bool has_foreign_contents(const fs::path& folder) {
+bool has_foreign_contents(const fs::path& folder, const std::string& command) {
   std::error_code absent;
   const fs::directory_iterator entries(folder, absent);
-  return !fs::exists(folder / kManifest) &&
+  return !listed_files(folder, command) &&
          std::any_of(begin(entries), end(entries), [](const fs::directory_entry& entry) {
            return !is_staging_name(entry.path().filename().string(), kStem);
          });
@@ -57,12 +60,12 @@ OutputFolder::OutputFolder(fs::path folder, const std::string& command,
       files_(std::move(files)),
       made_folder_(!fs::exists(folder_)) {
   make_folder(folder_);
-  if (!overwrite && has_foreign_contents(folder_))
+  if (!overwrite && has_foreign_contents(folder_, command_))
     throw InputError(
         fmt::format("{}: has contents that tessera {} did not write; choose another folder or pass "
                     "--overwrite",
                     folder_.string(), command_));
-  earlier_ = listed_files(folder_);
+  earlier_ = listed_files(folder_, command_).value_or(std::vector<std::string>{});
   remove_stale_staging(folder_, kStem);
   make_folder(staging_);
 }

@@ -12,8 +12,9 @@
 
 namespace tessera {
 
-/// Whether the folder is there with contents of which no manifest lists anything.
-bool has_foreign_contents(const std::filesystem::path& folder);
+/// Whether the folder is there with contents, and without a manifest of `command` ("export").
+/// Errors: InputError: a damaged manifest.
+bool has_foreign_contents(const std::filesystem::path& folder, const std::string& command);
 
 class OutputFolder {
  public:

@@ -118,6 +118,24 @@ TEST_F(CliOutputPlace, FilesThatNoRunHasWrittenStay) {
   EXPECT_EQ(work.read("mine/images/000.jpg"), "mine");
 }
 
+// Each command knows its own files. Bugs put back, each seen to fail: a folder of one is that of
+// all; what another has written goes.
+TEST_F(CliOutputPlace, ResultsOfAnotherCommandStay) {
+  ASSERT_EQ(work.train("run").exit_code, 0);
+  ASSERT_EQ(work.run({"export", work.at("run"), "-o", work.at("x"), "--format", "spz"}).exit_code,
+            0);
+  const Words images{"evaluate", work.at("run"), "--save-images", work.at("x")},
+      render{"render", work.at("run"), "-o", work.at("x"), "--path", "orbit", "--seconds", "0.1"};
+  refused(images, {"did not write", "--overwrite"});
+  const auto before = everything();
+  EXPECT_EQ(work.run(render).exit_code, 2);
+  EXPECT_TRUE(everything() == before);
+  Words over = render;
+  over.emplace_back("--overwrite");
+  EXPECT_EQ(work.run(over).exit_code, 0);
+  EXPECT_TRUE(fs::exists(work / "x/frame_0000.spz"));
+}
+
 // Bugs put back, one each: a prepared scene replaced without a word; a made capture likewise; each
 // seen to fail.
 TEST_F(CliOutputPlace, WhatTookHoursIsReplacedWithOverwriteOnly) {
