@@ -154,7 +154,7 @@ StaticSceneReport write_static_scene(const fs::path& folder, const fs::path& out
   const std::vector<std::vector<int>> cameras = frames_by_camera(scene);
   for (const std::vector<int>& frames : cameras) check_camera(scene, frames);
   const int64_t timesteps = scene.timesteps_of(Split::kTrain);
-  StagedFolder staged(out, is_prepared_scene(out));
+  StagedFolder staged(out, is_prepared_scene(out), files_of_scene(out));
   const ordered_json source = ordered_json::parse(read_text_file(folder / "transforms.json"));
   const FrameEntries entries(source);
   std::vector<Frame> stills;

@@ -39,7 +39,7 @@ int64_t unpack_scene(const fs::path& folder, const std::optional<Window>& window
   options.load_pixels = false;
   const Scene scene = files.load(options);
   const auto count = int64_t(scene.frames.size());
-  StagedFolder staged(out, is_prepared_scene(out));
+  StagedFolder staged(out, is_prepared_scene(out), files_of_scene(out));
   const ordered_json source = ordered_json::parse(read_text_file(folder / "transforms.json"));
   const FrameEntries entries(source);
   ordered_json file = description_of(source, scene);

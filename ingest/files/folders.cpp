@@ -118,9 +118,12 @@ void remove_stale_staging(const std::filesystem::path& parent, const std::string
   for (const std::filesystem::path& folder : stale) std::filesystem::remove_all(folder, ignored);
 }
 
-StagedFolder::StagedFolder(fs::path target, bool may_replace)
-    : target_(fs::absolute(target).lexically_normal()), may_replace_(may_replace) {
+StagedFolder::StagedFolder(fs::path target, bool may_replace, std::set<std::string> owned)
+    : target_(fs::absolute(target).lexically_normal()),
+      may_replace_(may_replace),
+      owned_(std::move(owned)) {
   if (target_.filename().empty()) target_ = target_.parent_path();  // a trailing slash
+  if (fs::is_symlink(target_) && fs::is_directory(target_)) target_ = fs::canonical(target_);
   check_replaceable(target_, may_replace_);
   const std::string name = target_.filename().string();
   remove_stale_staging(target_.parent_path(), name);
@@ -137,6 +140,27 @@ StagedFolder::~StagedFolder() {
   if (!staging_.empty()) fs::remove_all(staging_, ignored);
 }
 
+void StagedFolder::carry_over() {
+  if (owned_.empty()) return;
+  std::error_code reason;
+  std::vector<fs::path> others;
+  for (fs::recursive_directory_iterator at(staging_, reason), end; !reason && at != end;
+       at.increment(reason))
+    if (const fs::path name = at->path().lexically_relative(staging_);
+        (!at->is_directory() || at->is_symlink()) && !owned_.contains(name.generic_string()))
+      others.push_back(name);
+  for (const fs::path& name : others) {
+    if (reason || fs::exists(target_ / name)) continue;
+    fs::create_directories((target_ / name).parent_path(), reason);
+    if (!reason) fs::rename(staging_ / name, target_ / name, reason);
+  }
+  if (!reason) return;
+  const std::string kept = std::exchange(staging_, fs::path()).string();
+  throw InputError(fmt::format(
+      "{}: is replaced, but its other files could not be moved into it ({}); they are in {}",
+      target_.string(), reason.message(), kept));
+}
+
 void StagedFolder::commit() {
   check(!staging_.empty(), "StagedFolder::commit twice");
   check_replaceable(target_, may_replace_);  // another program may have been faster
@@ -144,6 +168,7 @@ void StagedFolder::commit() {
   if (fs::exists(target_)) {
     exchange(staging_, target_, reason);
     if (reason) refuse(target_, "cannot be replaced", reason);
+    carry_over();
     fs::remove_all(staging_, reason);
   } else {
     fs::rename(staging_, target_, reason);

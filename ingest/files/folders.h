@@ -5,6 +5,7 @@
 
 #include <array>
 #include <filesystem>
+#include <set>
 #include <string>
 
 namespace tessera {
@@ -28,8 +29,10 @@ class StagedFolder {
   /// Creates a hidden sibling of `target` and removes those that killed programs have left.
   /// `may_replace`: whether a non-empty folder that is already there may be replaced (at
   /// `commit`, not before). Errors: InputError when it may not, when `target` is a file, or when
-  /// its parent cannot be written; WriteError when the disk is full.
-  StagedFolder(std::filesystem::path target, bool may_replace);
+  /// its parent cannot be written; WriteError when the disk is full. `owned`: relative names of the
+  /// files that go with a folder that is replaced, where others are to stay; empty: all go. A link
+  /// to a folder stays one.
+  StagedFolder(std::filesystem::path target, bool may_replace, std::set<std::string> owned = {});
   StagedFolder(const StagedFolder&) = delete;
   StagedFolder& operator=(const StagedFolder&) = delete;
   ~StagedFolder();
@@ -40,8 +43,12 @@ class StagedFolder {
   void commit();
 
  private:
+  /// What is not owned, from the folder that was replaced.
+  void carry_over();
+
   std::filesystem::path target_, staging_;
   bool may_replace_;
+  std::set<std::string> owned_;
 };
 
 class TemporaryFolder {

@@ -271,6 +271,18 @@ bool is_prepared_scene(const std::filesystem::path& folder) {
   }
 }
 
+std::set<std::string> files_of_scene(const std::filesystem::path& folder) {
+  if (!is_prepared_scene(folder)) return {};
+  std::set<std::string> names{"transforms.json"};
+  const auto add = [&](const auto& self, const json& value) -> void {
+    if (value.is_string()) names.insert(value.get<std::string>());
+    if (value.is_structured())
+      for (const json& inner : value) self(self, inner);
+  };
+  add(add, read_json(folder / "transforms.json"));
+  return names;
+}
+
 NormalisedTimes times_of(const TransformsCapture& capture, bool allow_static) {
   if (capture.prepared_axis) check_prepared(capture);
   const bool has_times = capture.frames.front().time.has_value();

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,9 @@ TransformsCapture read_camera_path(const std::filesystem::path& file);
 bool has_transforms(const std::filesystem::path& folder);
 /// True when `folder` holds a transforms.json with a `tessera` object.
 bool is_prepared_scene(const std::filesystem::path& folder);
+/// Relative names of the files of a prepared scene; nothing where there is none. Names that its
+/// transforms.json has of something else may be among them.
+std::set<std::string> files_of_scene(const std::filesystem::path& folder);
 
 /// One entry a frame of `capture`. Without times the capture is static. Errors: InputError: times
 /// all equal (unless `allow_static`), or a prepared scene whose times or axis cannot be.

@@ -102,7 +102,7 @@ IngestReport ingest_staged(const std::filesystem::path& folder, const std::files
   options.layout = layout;
   if (layout == CaptureLayout::kSequences) take_image_rate(options);
   if (options.work.empty()) options.work = std::filesystem::path(out).concat(".work");
-  StagedFolder staged(out, is_prepared_scene(out));
+  StagedFolder staged(out, is_prepared_scene(out), files_of_scene(out));
   const IngestProgress report_progress =
       progress ? progress : [](std::string_view, int64_t, int64_t) {};
   const StepContext context{options, staged.path(), report_progress};

@@ -136,8 +136,8 @@ TEST_F(CliOutputPlace, ResultsOfAnotherCommandStay) {
   EXPECT_TRUE(fs::exists(work / "x/frame_0000.spz"));
 }
 
-// Bugs put back, one each: a prepared scene replaced without a word; a made capture likewise; each
-// seen to fail.
+// Bugs put back, one each: a prepared scene replaced without a word; a made capture likewise; files
+// of somebody go with a scene; a link becomes a folder; each seen to fail.
 TEST_F(CliOutputPlace, WhatTookHoursIsReplacedWithOverwriteOnly) {
   TESSERA_SKIP_WITHOUT_INGEST();
   const Words ingest{"ingest", work.at("capture"), "-o", work.at("scene")};
@@ -145,7 +145,17 @@ TEST_F(CliOutputPlace, WhatTookHoursIsReplacedWithOverwriteOnly) {
   refused(ingest, {"scene", "--overwrite"});
   Words over = ingest;
   over.emplace_back("--overwrite");
+  work.write("scene/notes.txt", "mine");
+  work.write("scene/train/mine/a.png", "mine");
+  work.write("scene/train/r_999.png", "mine");
   EXPECT_EQ(work.run(over).exit_code, 0);
+  for (const char* file : {"scene/notes.txt", "scene/train/mine/a.png", "scene/train/r_999.png"})
+    EXPECT_EQ(work.read(file), "mine") << "is none of the scene's";
+  fs::rename(work / "scene", work / "elsewhere");
+  fs::create_directory_symlink(work / "elsewhere", work / "scene");
+  EXPECT_EQ(work.run(over).exit_code, 0);
+  EXPECT_TRUE(fs::is_symlink(work / "scene"));
+  EXPECT_EQ(work.read("elsewhere/notes.txt"), "mine");
   const Words synth{"synth", "object",  "-o", work.at("capture"), "--layout", "dnerf", "--frames",
                     "2",     "--width", "24", "--height",         "24"};
   refused(synth, {"capture", "--overwrite"});
