@@ -107,6 +107,14 @@ VideoTimeline read_timeline(const std::filesystem::path& path) {
   return timeline;
 }
 
+Rational timecode_rate(const Rational& frames, double counts) {
+  if (!(counts > 0) || frames.denominator <= 0) return frames;
+  const double ratio = double(frames.numerator) / (double(frames.denominator) * counts);
+  const auto whole = int64_t(std::lround(ratio));
+  if (whole < 2 || std::abs(ratio / double(whole) - 1) > 0.01) return frames;
+  return {frames.numerator, frames.denominator * whole};
+}
+
 std::optional<double> timecode_seconds(const std::string& timecode, const Rational& rate) {
   if (rate.numerator <= 0 || rate.denominator <= 0) return std::nullopt;
   AVTimecode read{};
@@ -128,9 +136,14 @@ std::optional<double> creation_seconds(const std::string& creation_time) {
 
 std::optional<double> container_clock(const VideoFile& file, int64_t first_ticks,
                                       int64_t median_ticks) {
-  const AVRational rate = frame_rate(file.track(), file.seconds(median_ticks));
+  const AVRational frames = frame_rate(file.track(), file.seconds(median_ticks));
+  Rational rate{frames.num, frames.den};
+  const AVFormatContext& format = file.format();
+  for (unsigned i = 0; i < format.nb_streams; ++i)
+    if (format.streams[i]->codecpar->codec_tag == MKTAG('t', 'm', 'c', 'd'))
+      rate = timecode_rate(rate, av_q2d(format.streams[i]->avg_frame_rate));
   if (const auto timecode = find_tag(file, "timecode"))
-    if (const auto seconds = timecode_seconds(*timecode, {rate.num, rate.den}))
+    if (const auto seconds = timecode_seconds(*timecode, rate))
       return *seconds - file.seconds(first_ticks);
   if (const auto created = find_tag(file, "creation_time")) return creation_seconds(*created);
   return std::nullopt;

@@ -15,6 +15,11 @@ VideoTimeline read_timeline(const std::filesystem::path& path);
 
 class VideoFile;
 
+/// The rate that a timecode track counts at, which states a round number of counts a second: many
+/// cameras count every second frame of 50 or 59.94. That of the frames where they have nothing to
+/// do with each other.
+Rational timecode_rate(const Rational& frames, double counts);
+
 /// Seconds of a timecode HH:MM:SS:FF (drop-frame with ; before FF) counted at `rate` frames/s.
 std::optional<double> timecode_seconds(const std::string& timecode, const Rational& rate);
 /// Seconds since 1970 of a creation time with digits below the second that are not all 0.

@@ -151,6 +151,21 @@ TEST(ContainerClock, Timecodes) {
   EXPECT_FALSE(timecode_seconds("00:00:00:00", {0, 1}));
 }
 
+// Cameras of 50 and 59.94 frames a second that count every second one. Bugs put back, each seen to
+// fail: the rate of the frames; the round number that the track states.
+TEST(ContainerClock, TimecodesMayCountEverySecondFrame) {
+  const auto counted = [](Rational frames, double counts) {
+    return timecode_seconds("00:00:01:04", timecode_rate(frames, counts)).value();
+  };
+  EXPECT_DOUBLE_EQ(counted({50, 1}, 25), 1 + 4 / 25.0);
+  EXPECT_DOUBLE_EQ(counted({60000, 1001}, 30), 34 * 1001 / 30000.0);
+  EXPECT_DOUBLE_EQ(counted({120, 1}, 30), 1 + 4 / 30.0);
+  EXPECT_DOUBLE_EQ(counted({25, 1}, 25), 1 + 4 / 25.0);
+  EXPECT_DOUBLE_EQ(counted({30000, 1001}, 30), 34 * 1001 / 30000.0);
+  EXPECT_DOUBLE_EQ(counted({25, 1}, 0), 1 + 4 / 25.0) << "not stated";
+  EXPECT_DOUBLE_EQ(counted({60, 1}, 25), 1 + 4 / 60.0) << "another clock";
+}
+
 // Bug put back: whole seconds accepted; seen to fail.
 TEST(ContainerClock, CreationTimesOfWholeSecondsAreTooCoarse) {
   const double day = creation_seconds("2024-01-28T01:26:33.250000Z").value();
