@@ -179,6 +179,7 @@ json read_object(const fs::path& file, std::vector<std::string>& notes) {
 BatchFolder read_batch(const fs::path& root) {
   BatchFolder batch;
   batch.root = root;
+  if (!fs::exists(root)) throw InputError(fmt::format("{}: no such folder", root.string()));
   if (!fs::exists(root / "batch.yaml") && !fs::exists(root / "runs") &&
       !fs::exists(root / "failures"))
     throw InputError(

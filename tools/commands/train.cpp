@@ -184,7 +184,10 @@ struct Parsed {
 /// --windows of more than one: the exit code; nothing where the clip is trained as a whole.
 std::optional<int> train_in_windows(const Parsed& parsed) {
   const TrainRequest& request = parsed.request;
-  const WindowChoice choice = choose_windows(parsed.windows, request.scene);
+  if (parsed.windows == "none") return std::nullopt;
+  const Motion motion =
+      resolve_options(parsed.arguments, request.scene, request.window).options.motion;
+  const WindowChoice choice = choose_windows(parsed.windows, request.scene, motion);
   if (choice.count <= 1) {
     if (!choice.reason.empty()) say(choice.reason);
     return std::nullopt;

@@ -25,6 +25,7 @@
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_successor.h"
+#include "tools/export/windows_export.h"
 #include "tools/live/live_watch.h"
 #include "tools/live/open_browser.h"
 #include "tools/live/stopped_training.h"
@@ -32,6 +33,7 @@
 #include "tools/session/model_input.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/version.h"
+#include "tools/session/windows_folder.h"
 #include "tools/view/view_request.h"
 #include "tools/view/view_server.h"
 #include "tools/web/page_words.h"
@@ -54,10 +56,8 @@ struct ViewSource {
 /// Of the folders in which commands leave pages, in this order: run and export, run, batch.
 constexpr const char* kPagePlaces[] = {"", "player", "report"};
 
+/// Of a model, or of the windows of a clip.
 ViewSource made_page(const std::string& path) {
-  ModelInput input = load_model_input(path);
-  for (const std::string& warning : input.warnings) warn(warning);
-  input.model = model_in_source_world(input.model);
   ViewSource source;
   source.kind = "model";
   source.temporary = std::make_unique<TemporaryFolder>("view");
@@ -66,6 +66,13 @@ ViewSource made_page(const std::string& path) {
   page.model = path;
   page.out = source.folder.string();
   page.format = "page";
+  if (const WindowsFolder windows = windows_folder_of(path); windows.exists()) {
+    export_windows(page, windows);
+    return source;
+  }
+  ModelInput input = load_model_input(path);
+  for (const std::string& warning : input.warnings) warn(warning);
+  input.model = model_in_source_world(input.model);
   find_time_format(page.format)->write(page, input.model);
   return source;
 }
@@ -240,7 +247,7 @@ void add_view_command(CLI::App& app, Work& work) {
       .add_option("path", arguments->path,
                   "output of `tessera run` or run folder, also of a training that runs now; "
                   "exported player, or what `tessera export` reads: run "
-                  "folder, checkpoint, .ply, 4D file")
+                  "folder, folder of windows, checkpoint, .ply, 4D file")
       ->required();
   command.add_option("--port", arguments->port, "port to listen on; 0: a free one")
       ->check(CLI::Range(0, 65535));

@@ -173,7 +173,7 @@ class Runner {
   }
 
   void choose_windows_of_scene() {
-    const WindowChoice choice = choose_windows(request_.windows, scene_);
+    const WindowChoice choice = choose_windows(request_.windows, scene_, planned_.options.motion);
     if (!choice.reason.empty()) say(choice.reason);
     windows_ = choice.count;
   }

@@ -152,9 +152,10 @@ class WindowsTraining {
   void check_plan() {
     if (has_plan_of_request()) return;
     const auto count = int64_t(plan_.windows.size());
-    throw InputError(
-        fmt::format("{}: holds {} windows of {}{}; {}", folder_.root.string(), count, plan_.scene,
-                    count == request_.count ? ", whose files have changed" : "", kTwoWays));
+    throw InputError(fmt::format(
+        "{}: holds {} windows of {}{}; {}", folder_.root.string(), count,
+        count == request_.count ? request_.scene.string() : plan_.scene,
+        count == request_.count ? " as it was, whose files have changed" : "", kTwoWays));
   }
 
   void make_plan() {

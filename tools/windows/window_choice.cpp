@@ -108,9 +108,18 @@ WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t 
                       seconds, count, seconds / double(count), double(bytes_of(count)) / 1e9)};
 }
 
-WindowChoice choose_windows(const std::string& windows, const std::filesystem::path& scene) {
+WindowChoice choose_windows(const std::string& windows, const std::filesystem::path& scene,
+                            Motion motion) {
   const WindowWish wish = parse_windows(windows);
   if (wish.kind == WindowWish::Kind::kNone) return {};
+  if (motion == Motion::kNone) {
+    if (wish.kind == WindowWish::Kind::kLength)
+      throw InputError(fmt::format(
+          "--windows {}: windows have what moves, and --static (--motion none) has nothing that "
+          "does; leave one of them out",
+          windows));
+    return {};
+  }
   return choose_windows(wish, scene_without_pixels(scene, true), machine_memory());
 }
 

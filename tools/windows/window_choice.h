@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ingest/scene.h"
+#include "recon4d/options/train_options.h"
 
 namespace tessera {
 
@@ -32,8 +33,11 @@ struct WindowChoice {
 /// than a few timesteps.
 WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t memory);
 
-/// The same of --windows and the scene in that folder, for this machine; `none` reads nothing.
-WindowChoice choose_windows(const std::string& windows, const std::filesystem::path& scene);
+/// The same of --windows and the scene in that folder, for this machine; `none` reads nothing. A
+/// clip in which nothing moves (`motion`) is trained as a whole. Errors: InputError: a length where
+/// nothing moves, too.
+WindowChoice choose_windows(const std::string& windows, const std::filesystem::path& scene,
+                            Motion motion);
 
 /// Of all splits together, by the numbers of their frames.
 int64_t timesteps_of(const Scene& scene);

@@ -161,7 +161,7 @@ TEST(CliReport, OptionsOfTheOtherKindAreRefused) {
 TEST(CliReport, AFolderOfNoBatchIsRefused) {
   const CliWorkspace work;
   work.expect_refused({"report", work.at("capture")}, {"is no folder of a batch", "batch -o"});
-  work.expect_refused({"report", work.at("nowhere")}, {"is no folder of a batch"});
+  work.expect_refused({"report", work.at("nowhere")}, {"nowhere: no such folder"});
 }
 
 }  // namespace
