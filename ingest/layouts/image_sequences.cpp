@@ -24,7 +24,7 @@ struct NamedSequences {
   std::vector<fs::path> unread;  // not numbered, or with a number of another file
 };
 
-/// Of two images with one number that with the extension which more images have.
+/// How many images have each extension: of two with one number that of the commoner one is read.
 std::map<std::string, size_t> images_of_extension(const std::vector<fs::path>& images) {
   std::map<std::string, size_t> counts;
   for (const fs::path& file : images) ++counts[file.extension().string()];

@@ -270,6 +270,7 @@ class WindowsTraining {
 
   json result(bool left) const {
     json all = windows_result(folder_);
+    all["windows"] = request_.count;  // also before the clip is cut
     all["finished"] = all["finished"].get<bool>() && !left;
     all["left"] = left;
     all["continued"] = continues_;
