@@ -54,7 +54,7 @@ struct PoseSource {
 
 struct PoseOptions {
   PoseSource source;
-  std::string lens_model;              // COLMAP's name; empty: SIMPLE_RADIAL
+  std::string lens_model;              // COLMAP's name; empty: the simplest that fits
   bool intrinsics_per_camera = false;  // false: cameras of one image size share them
   bool strict = false;                 // an unregistered camera is an error
   std::filesystem::path cache;         // where COLMAP's results are kept for other outputs, too;

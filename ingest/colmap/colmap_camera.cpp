@@ -90,6 +90,11 @@ const ColmapCameraModel& colmap_camera_model(const std::string& name, const std:
   fail_unknown(where, fmt::format("'{}'", name));
 }
 
+bool has_two_focal_lengths(const std::string& model) {
+  return std::string_view(colmap_camera_model(model, "--camera-model").parameters)
+      .starts_with("fx fy");
+}
+
 ColmapCamera make_colmap_camera(const ColmapCameraModel& model, uint64_t width, uint64_t height,
                                 const std::vector<double>& parameters, const std::string& where) {
   constexpr uint64_t kLongestSide = 1 << 20;

@@ -38,6 +38,9 @@ struct ColmapCameraModel {
 const ColmapCameraModel& colmap_camera_model(int32_t number, const std::string& where);
 const ColmapCameraModel& colmap_camera_model(const std::string& name, const std::string& where);
 
+/// Whether the model of this name has fx and fy. Errors: as above.
+bool has_two_focal_lengths(const std::string& model);
+
 /// Errors: InputError that starts with `where`: a size or focal length that is not positive, a
 /// parameter that is not finite, another number of parameters than the model has.
 ColmapCamera make_colmap_camera(const ColmapCameraModel& model, uint64_t width, uint64_t height,

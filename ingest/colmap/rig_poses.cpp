@@ -20,10 +20,26 @@ constexpr int kRounds = 2;  // of triangulation and adjustment: the third change
 constexpr const char* kOverlapRemedy =
     "let neighbouring cameras see more of the same textured things, or pass --poses FILE";
 
+/// COLMAP's models of the lens: that the mapper estimates, and the one that is enough where there
+/// is no distortion; the latter is empty where the user chose the model.
+struct RigLens {
+  std::string mapped, plain;
+};
+
+RigLens rig_lens(const std::vector<RigClip>& clips, const PoseOptions& options) {
+  if (!options.lens_model.empty()) return {options.lens_model, ""};
+  const bool square = std::all_of(clips.begin(), clips.end(), [](const RigClip& clip) {
+    return clip.timeline.has_square_pixels();
+  });
+  if (square) return {"SIMPLE_RADIAL", "SIMPLE_PINHOLE"};
+  return {"OPENCV", "PINHOLE"};  // with two focal lengths
+}
+
 struct RigSolver {
   const ColmapWorkspace& work;
   const ColmapProgram& colmap;
   const PoseOptions& options;
+  RigLens lens;
   std::vector<std::string> names;    // of the images, one a clip
   std::vector<std::string> cameras;  // of the clips
   double max_error = 1;              // pixels, of the last rounds
@@ -42,7 +58,7 @@ struct RigSolver {
   /// Points of the images of `model`, whose files are in that folder, into the folder `out`.
   void triangulate(const std::vector<PosedImage>& images, const std::filesystem::path& model,
                    const std::filesystem::path& out, double error) const;
-  std::filesystem::path refine(const ColmapModel& start, const std::string& lens) const;
+  std::filesystem::path refine(const ColmapModel& start, const std::string& lens_model) const;
   void choose_refined(const ColmapModel& mapped) const;
 };
 
@@ -90,14 +106,15 @@ std::vector<PosedImage> posed_images(const ColmapModel& model) {
 
 /// Tracks are made anew from exact matches and everything is adjusted, twice: the mapper's own
 /// tracks hold features that are off by up to 4 pixels. Returns the model's folder.
-std::filesystem::path RigSolver::refine(const ColmapModel& start, const std::string& lens) const {
+std::filesystem::path RigSolver::refine(const ColmapModel& start,
+                                        const std::string& lens_model) const {
   auto images = posed_images(start);
-  if (!lens.empty())
+  if (!lens_model.empty())
     for (PosedImage& image : images) {
-      image.camera.lens_model = lens;
+      image.camera.lens_model = lens_model;
       image.camera.lens = {};
     }
-  const auto folder = work.folder / "refined" / (lens.empty() ? "as mapped" : lens);
+  const auto folder = work.folder / "refined" / (lens_model.empty() ? "as mapped" : lens_model);
   auto model = folder / "start";
   write_posed_model(model, images);
   for (int round = 0; round < kRounds; ++round) {
@@ -128,8 +145,8 @@ bool needs_lens(const ColmapModel& with, const ColmapModel& without) {
 /// mapper's result stays.
 void RigSolver::choose_refined(const ColmapModel& mapped) const {
   ColmapModel best = read_colmap_model(refine(mapped, ""));
-  if (options.lens_model.empty()) {
-    ColmapModel plain = read_colmap_model(refine(mapped, "SIMPLE_PINHOLE"));
+  if (!lens.plain.empty()) {
+    ColmapModel plain = read_colmap_model(refine(mapped, lens.plain));
     if (!needs_lens(best, plain)) best = std::move(plain);
   }
   const bool fits = 2 * best.points.position.size() >= mapped.points.position.size() &&
@@ -144,8 +161,7 @@ std::filesystem::path RigSolver::solve(const std::vector<StillImage>& stills,
   if (!is_known) {
     work.clear();
     for (size_t i = 0; i < stills.size(); ++i) work.add(i, stills[i]);
-    const std::string lens = options.lens_model.empty() ? "SIMPLE_RADIAL" : options.lens_model;
-    work.find_matches(colmap, {lens, options.intrinsics_per_camera}, stills.size());
+    work.find_matches(colmap, {lens.mapped, options.intrinsics_per_camera}, stills.size());
     map();
   }
   const auto largest = largest_colmap_model(work.sparse, stills.size(), warnings);
@@ -239,8 +255,10 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips,
   Fnv1a key;
   key.add(fmt::format("rig 1, colmap {}, {} {}", colmap.version(), options.lens_model,
                       options.intrinsics_per_camera));
+  const RigLens lens = rig_lens(clips, options);
+  if (lens.mapped != "SIMPLE_RADIAL") key.add(lens.mapped);
   const auto stills = still_images(clips, key, progress);
-  RigSolver solver{work, colmap, options, {}, {}, 1};
+  RigSolver solver{work, colmap, options, lens, {}, {}, 1};
   for (size_t i = 0; i < stills.size(); ++i) {
     solver.cameras.push_back(clips[i].name);
     solver.names.push_back(ColmapWorkspace::image_name(i, stills[i].image));

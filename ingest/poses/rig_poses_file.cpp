@@ -109,9 +109,12 @@ std::vector<RigCamera> read_rig_json(const path& file) {
   return rig_cameras_of(read_json(file), file);
 }
 
-Camera camera_of_image(const Camera& stated, int width, int height, const std::string& where) {
+Camera camera_of_image(const Camera& stated, int width, int height, int shown_width,
+                       const std::string& where) {
   if (stated.width == 0) return camera_in_size(stated, width, height, where);
-  if (same_shape(stated.width, stated.height, width, height)) return stated.resized(width, height);
+  if (same_shape(stated.width, stated.height, width, height) ||
+      same_shape(stated.width, stated.height, shown_width, height))
+    return stated.resized(width, height);
   constexpr int kBlock = 16;  // pixels a side, of H.264; others' blocks are multiples of 8
   const int less_x = stated.width - width, less_y = stated.height - height;
   const bool cut = less_x >= 0 && less_y >= 0 && less_x < kBlock && less_y < kBlock &&

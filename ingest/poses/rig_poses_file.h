@@ -25,11 +25,13 @@ std::vector<RigCamera> rig_cameras_of(const nlohmann::json& file,
 /// The same of a file. Errors: as above, and as read_json.
 std::vector<RigCamera> read_rig_json(const std::filesystem::path& file);
 
-/// `stated` for an image of width × height: scaled where the shape is the same. Where one side is
-/// the same and the other up to 15 pixels shorter, the image was cut to it from whole 16-pixel
-/// blocks, right or below: the intrinsics stay, in pixels. Without a stated size they are those of
-/// this image. Errors: InputError that starts with `where`: another shape; without a size a
-/// principal point outside of the middle third, which is that of another size.
-Camera camera_of_image(const Camera& stated, int width, int height, const std::string& where);
+/// `stated` for an image of width × height: scaled where the shape is the same, or that of the
+/// image as it is shown (`shown_width` × height, of anamorphic video). Where one side is the same
+/// and the other up to 15 pixels shorter, the image was cut to it from whole 16-pixel blocks, right
+/// or below: the intrinsics stay, in pixels. Without a stated size they are those of this image.
+/// Errors: InputError that starts with `where`: another shape; without a size a principal point
+/// outside of the middle third, which is that of another size.
+Camera camera_of_image(const Camera& stated, int width, int height, int shown_width,
+                       const std::string& where);
 
 }  // namespace tessera

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "ingest/calibration/stated_cameras.h"
+#include "ingest/colmap/colmap_records.h"
 #include "ingest/layouts/image_sequences.h"
 #include "ingest/poses/rig_poses_file.h"
 #include "ingest/steps/kept_frames.h"
@@ -111,11 +112,34 @@ void read_timelines(const IngestOptions& options, Capture& capture) {
   }
 }
 
+/// Anamorphic clips, and a lens model that does not fit them.
+void note_pixel_aspect(const std::string& lens_model, Capture& capture) {
+  std::vector<std::string> names;
+  const VideoTimeline* first = nullptr;
+  for (const RigClip& clip : capture.clips) {
+    if (clip.timeline.has_square_pixels()) continue;
+    names.push_back(clip.name);
+    if (first == nullptr) first = &clip.timeline;
+  }
+  if (first == nullptr) return;
+  capture.notes.push_back(
+      fmt::format("{}: {}x{} pixels that are {:.3f} times as wide as high, shown as {}x{}; images "
+                  "keep them, and cameras have two focal lengths",
+                  listed_names(names), first->width, first->height, first->pixel_aspect,
+                  first->shown_width(), first->height));
+  if (lens_model.empty() || has_two_focal_lengths(lens_model)) return;
+  capture.warnings.push_back(fmt::format(
+      "--camera-model {} has one focal length, which pixels that are not square do not ({}); leave "
+      "it out, or pass OPENCV",
+      lens_model, listed_names(names)));
+}
+
 /// Stated cameras take the size of their video.
 void fit_sizes(std::vector<RigClip>& clips) {
   for (RigClip& clip : clips)
-    clip.camera->camera = camera_of_image(clip.camera->camera, clip.timeline.width,
-                                          clip.timeline.height, clip.video.string());
+    clip.camera->camera =
+        camera_of_image(clip.camera->camera, clip.timeline.width, clip.timeline.height,
+                        clip.timeline.shown_width(), clip.video.string());
 }
 
 /// The world is that of the calibration, and so are its points; without any, those of the folder.
@@ -145,6 +169,7 @@ Capture open_clips(Capture capture, const StepContext& context) {
   choose_cameras(options.cameras, capture);
   if (stated) leave_out_unposed(*stated, options.strict, capture);
   read_timelines(options, capture);
+  note_pixel_aspect(options.poses.lens_model, capture);
   if (options.layout == CaptureLayout::kSequences)
     capture.notes.push_back(fmt::format("{}: {}", capture.folder.string(),
                                         reading_text(capture.clips.size(), *options.image_rate)));

@@ -60,8 +60,11 @@ std::string write_frames(const RigClip& clip, const std::vector<int64_t>& ticks,
 /// COLMAP's poses of the images in capture.photos become its frames. Returns a line about them.
 std::string pose_photos(bool in_order, const StepContext& context, Capture& capture) {
   const IngestOptions& options = context.options;
+  PoseOptions poses = options.poses;
+  if (in_order && poses.lens_model.empty() && !capture.clips.front().timeline.has_square_pixels())
+    poses.lens_model = "OPENCV";  // with two focal lengths
   const MovingCameraModel estimate = estimate_moving_camera(
-      capture.photos, in_order, options.work / "colmap", options.poses, context.progress);
+      capture.photos, in_order, options.work / "colmap", poses, context.progress);
   ColmapModel model = read_colmap_model(estimate.folder);
   const std::string registered = fmt::format(
       "COLMAP registered {} of {} photos, mean reprojection error {:.2f} pixels{}",

@@ -1,6 +1,7 @@
 // The clip of one camera: a video or numbered images, with the times and colours of its frames and,
 // where it is known, the pose of the camera. Reading one needs the media libraries; this does not.
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -51,6 +52,7 @@ struct ChapterStart {
 /// The presentation times of the frames, and the defects of their clock.
 struct VideoTimeline {
   int width = 0, height = 0;    // of the upright image: a rotation flag is undone
+  double pixel_aspect = 1;      // width of a pixel by its height, as shown
   Rational time_base;           // seconds a tick
   std::vector<int64_t> ticks;   // presentation times of the frames that are shown, increasing
   double frame_seconds = 0;     // median distance of two frames; 0 for one frame
@@ -65,6 +67,9 @@ struct VideoTimeline {
   std::vector<ChapterStart> chapters{};  // one a further file; empty where there is one file
 
   double seconds(size_t frame) const { return time_base.at(ticks[frame]); }
+  /// Anamorphic video (HDV: 4:3) is kept in the pixels that it has, with two focal lengths.
+  bool has_square_pixels() const { return std::abs(pixel_aspect - 1) < 1e-3; }
+  int shown_width() const { return int(std::lround(width * pixel_aspect)); }
 };
 
 /// A camera's video or numbered images, with its pose where that is known.

@@ -118,6 +118,12 @@ int VideoFile::height() const {
   return quarter_turns_ % 2 == 0 ? track_->codecpar->height : track_->codecpar->width;
 }
 
+double VideoFile::pixel_aspect() const {
+  const AVRational stated = av_guess_sample_aspect_ratio(format_.get(), track_, nullptr);
+  if (stated.num <= 0 || stated.den <= 0) return 1;
+  return av_q2d(quarter_turns_ % 2 == 0 ? stated : av_inv_q(stated));
+}
+
 /// 0 where the container states none. MP4's own count holds packets that edit lists leave out.
 int64_t VideoFile::stated_packets() const {
   const bool is_mp4 = std::string_view(format_->iformat->name).find("mp4") != std::string::npos;

@@ -79,6 +79,8 @@ class VideoFile {
   int quarter_turns() const { return quarter_turns_; }
   int width() const;  // of the upright image
   int height() const;
+  /// Width of a pixel of the upright image by its height; 1 where the file states none.
+  double pixel_aspect() const;
 
  private:
   void open(const std::filesystem::path& path);

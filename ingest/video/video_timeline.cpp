@@ -76,6 +76,7 @@ VideoTimeline read_timeline(const std::filesystem::path& path) {
   VideoTimeline timeline;
   timeline.width = file.width();
   timeline.height = file.height();
+  timeline.pixel_aspect = file.pixel_aspect();
   timeline.time_base = file.time_base();
   timeline.colour = colour_of(*file.track().codecpar);
   if (const std::string refusal = colour_refusal(timeline.colour); !refusal.empty())

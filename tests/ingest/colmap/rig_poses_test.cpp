@@ -109,6 +109,23 @@ TEST(RigPoses, MovingTextureIsMaskedAndAllCamerasComeOutRight) {
   EXPECT_GT(estimate.points.position.size(), 300u);
 }
 
+// Anamorphic video, 4:3 pixels. Bug put back: one focal length, which fits it by distortion; seen
+// to fail.
+TEST(RigPoses, PixelsThatAreNotSquareGetTwoFocalLengths) {
+  if (!has_colmap()) GTEST_SKIP() << "no colmap in PATH";
+  const TemporaryFolder folder;
+  const RenderedRig rig{.width = 240, .pixel_aspect = 4.0 / 3};
+  const auto clips = write_rig(folder.path(), rig);
+  ASSERT_NEAR(clips.front().timeline.pixel_aspect, 4.0 / 3, 1e-9);
+  const auto estimate = estimate_rig(clips, {}, folder / "work", {}, kNoProgress);
+  ASSERT_EQ(cameras_of(estimate).size(), size_t(rig.cameras));
+  for (const Camera& camera : cameras_of(estimate))
+    EXPECT_NEAR(camera.fl_y / camera.fl_x, 4.0 / 3, 0.02);
+  const RigError error = rig_error(cameras_of(estimate), true_cameras(rig));
+  EXPECT_LE(error.rotation, 0.2);
+  EXPECT_LE(error.centre, 0.01);
+}
+
 // As `run` after `doctor`. Bugs put back, each seen to fail: no look into the cache; a result of
 // the cache taken for a workspace with images (other held-out cameras have no points then).
 TEST(RigPoses, AreKeptForAnotherOutput) {

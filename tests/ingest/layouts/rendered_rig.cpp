@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "ingest/video/video_decoder.h"
+#include "ingest/video/video_timeline.h"
 #include "kernels/base/parallel.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/ingest/video/test_video.h"
@@ -111,7 +112,8 @@ std::vector<Camera> true_cameras(const RenderedRig& rig) {
     Camera camera;
     camera.width = rig.width;
     camera.height = rig.height;
-    camera.fl_x = camera.fl_y = 0.9 * rig.width;
+    camera.fl_x = 0.9 * rig.width;
+    camera.fl_y = camera.fl_x * rig.pixel_aspect;
     camera.cx = rig.width / 2.0;
     camera.cy = rig.height / 2.0;
     camera.cam_from_world = glm::transpose(glm::dmat3(right, down, forward));
@@ -166,6 +168,7 @@ RigClip clip_of(const std::filesystem::path& video) {
     clip.timeline.ticks.push_back(frame.ticks);
     return true;
   });
+  clip.timeline.pixel_aspect = read_timeline(video).pixel_aspect;
   clip.timeline.time_base = probe_video(video).time_base;
   return clip;
 }
@@ -174,6 +177,7 @@ std::vector<RigClip> write_rig(const std::filesystem::path& folder, const Render
   std::vector<RigClip> clips;
   for (int camera = 0; camera < rig.cameras; ++camera) {
     TestVideo video;
+    video.pixel_aspect = {int(std::lround(12 * rig.pixel_aspect)), 12};
     for (int frame = 0; frame < rig.frames; ++frame)
       video.frames.push_back(rendered_image(rig, camera, frame));
     const auto path = folder / fmt::format("cam{:02}.mp4", camera);

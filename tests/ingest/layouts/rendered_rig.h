@@ -13,8 +13,9 @@ namespace tessera::testing {
 struct RenderedRig {
   int cameras = 8, frames = 1;
   int width = 320, height = 240;
-  double panel_step = 0;  // world units a frame that a textured panel moves; 0: there is no panel
-  int blue_camera = -1;   // in this one's images blue is 255; others stay below 165
+  double pixel_aspect = 1;  // width of a pixel by its height
+  double panel_step = 0;    // world units a frame that a textured panel moves; 0: there is no panel
+  int blue_camera = -1;     // in this one's images blue is 255; others stay below 165
   bool clocks_agree = false;  // false: camera i runs i frames late
 };
 

@@ -1,6 +1,7 @@
 // Rigs of videos with a file of cameras: cameras without a pose, and lenses whose distortion cannot
 // be removed.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -69,6 +70,31 @@ class RigOfVideos : public ::testing::Test {
   json cameras_ = json::array();
   bool decoded_ = false;
 };
+
+// A calibration of the images as they are shown, of anamorphic video. Bugs put back, each seen to
+// fail: refused as another shape; no word about it.
+TEST_F(RigOfVideos, AnamorphicVideoKeepsItsPixels) {
+  for (int c = 0; c < kCameras; ++c) {
+    TestVideo video = numbered_video(4, c);
+    video.pixel_aspect = {4, 3};
+    write_video(folder_ / fmt::format("capture/cam{:02}.mp4", c), video);
+  }
+  for (json& camera : cameras_) {
+    camera["w"] = 43;
+    camera["cx"] = 21.5;
+  }
+  const IngestReport report = ingest();
+  const Scene scene = load_scene(folder_ / "scene", {});
+  ASSERT_EQ(scene.frames[0].camera.width, 32);
+  EXPECT_NEAR(scene.frames[0].camera.fl_x, 50 * 32 / 43.0, 1e-9);
+  EXPECT_NEAR(scene.frames[0].camera.fl_y, 50, 1e-9);
+  EXPECT_NEAR(scene.frames[0].camera.cx, 16, 1e-9);
+  EXPECT_TRUE(std::any_of(report.notes.begin(), report.notes.end(), [](const std::string& note) {
+    return note.find("cam00, cam01, cam02") == 0 &&
+           note.find("32x24 pixels that are 1.333 times as wide as high, shown as 43x24") !=
+               std::string::npos;
+  })) << fmt::format("{}", fmt::join(report.notes, "\n"));
+}
 
 // F14. Bugs put back: every missing camera refused; strict not asked for; one camera alone taken
 // for a rig; each seen to fail.

@@ -141,12 +141,12 @@ TEST(OpenCvValues, WhatIsRefusedNamesCameraAndKey) {
 TEST(OpenCvValues, WithoutASizeItIsThatOfTheImage) {
   const Camera stated = read({{"a", without(entry(), {"w", "h"}, json::object())}}).at(0).camera;
   EXPECT_EQ(stated.width, 0);
-  const Camera camera = camera_of_image(stated, 124, 90, "a.mp4");
+  const Camera camera = camera_of_image(stated, 124, 90, 124, "a.mp4");
   EXPECT_EQ(camera.width, 124);
   EXPECT_EQ(camera.height, 90);
   EXPECT_EQ(camera.fl_x, 100);
   EXPECT_EQ(camera.cx, 60.5);
-  expect_input_error([&] { camera_of_image(stated, 60, 40, "a.mp4"); },
+  expect_input_error([&] { camera_of_image(stated, 60, 40, 60, "a.mp4"); },
                      {"a.mp4", "60x40", "60.5, 40.5", "add the size"});
 }
 

@@ -116,15 +116,28 @@ TEST(RigPosesFile, ReportTheError) {
 // Bug put back: a cut image scaled; seen to fail.
 TEST(RigPosesFile, IntrinsicsForTheImagesSize) {
   const Camera stated{1088, 1920, 1680, 1681, 533, 948, glm::dmat3(1), glm::dvec3(0)};
-  const Camera cut = camera_of_image(stated, 1080, 1920, "cam01");
+  const Camera cut = camera_of_image(stated, 1080, 1920, 1080, "cam01");
   EXPECT_EQ(cut.width, 1080);
   EXPECT_EQ(cut.fl_x, 1680);
   EXPECT_EQ(cut.cx, 533);
-  const Camera half = camera_of_image(stated, 544, 960, "cam01");
+  const Camera half = camera_of_image(stated, 544, 960, 544, "cam01");
   EXPECT_EQ(half.fl_x, 840);
   for (const auto& [width, height] : {std::pair{1072, 1920}, {1090, 1920}, {1080, 1912}})
-    expect_input_error([&, w = width, h = height] { camera_of_image(stated, w, h, "cam01"); },
+    expect_input_error([&, w = width, h = height] { camera_of_image(stated, w, h, w, "cam01"); },
                        {"cam01", "calibrated at 1088x1920"});
+}
+
+// Anamorphic video: the calibration may be of the image as it is stored or as it is shown.
+// Bug put back: refused; seen to fail.
+TEST(RigPosesFile, IntrinsicsOfAnAnamorphicImage) {
+  const Camera shown{1920, 1080, 1600, 1610, 970, 530, glm::dmat3(1), glm::dvec3(0)};
+  const Camera stored = camera_of_image(shown, 1440, 1080, 1920, "cam01");
+  EXPECT_EQ(stored.width, 1440);
+  EXPECT_DOUBLE_EQ(stored.fl_x, 1200);
+  EXPECT_DOUBLE_EQ(stored.fl_y, 1610);
+  EXPECT_DOUBLE_EQ(stored.cx, 727.5);
+  EXPECT_EQ(camera_of_image(stored, 1440, 1080, 1920, "cam01").fl_x, stored.fl_x);
+  expect_input_error([&] { camera_of_image(shown, 1440, 1080, 1440, "cam01"); }, {"1920x1080"});
 }
 
 }  // namespace

@@ -116,6 +116,7 @@ AVCodecContext* open_encoder(const TestVideo& video) {
   codec->width = video.frames.front().width;
   codec->height = video.frames.front().height;
   codec->time_base = {1, 12800};
+  codec->sample_aspect_ratio = {video.pixel_aspect[0], video.pixel_aspect[1]};
   codec->pix_fmt = pixel_format(video);
   codec->max_b_frames = video.b_frames;
   codec->gop_size = video.keyframe_distance;
@@ -181,6 +182,7 @@ void write_video(const std::filesystem::path& path, const TestVideo& video) {
   AVStream* stream = avformat_new_stream(format, nullptr);
   stream->time_base = codec->time_base;
   stream->avg_frame_rate = {25, 1};
+  stream->sample_aspect_ratio = codec->sample_aspect_ratio;
   format->avoid_negative_ts = AVFMT_AVOID_NEG_TS_DISABLED;
   need(avcodec_parameters_from_context(stream->codecpar, codec) >= 0, "parameters");
   describe(*stream, video);

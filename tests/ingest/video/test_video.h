@@ -32,7 +32,8 @@ struct TestVideo {
   int b_frames = 2;
   int keyframe_distance = 12;
   bool open_groups = false;
-  bool index_first = true;  // mp4: the index before the images, so a cut file opens
+  std::array<int, 2> pixel_aspect{1, 1};  // stated width and height of a pixel
+  bool index_first = true;                // mp4: the index before the images, so a cut file opens
   /// The display matrix (a b; c d): a point (x, y) is shown at (a x + c y, b x + d y), y down.
   std::optional<std::array<int, 4>> display_matrix;
   std::map<std::string, std::string> tags;  // of the video track
