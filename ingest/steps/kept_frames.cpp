@@ -10,6 +10,7 @@
 #include "ingest/clocks/frame_rates.h"
 #include "ingest/clocks/frame_window.h"
 #include "ingest/clocks/limiting_cameras.h"
+#include "ingest/video/clip_mistakes.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -93,6 +94,10 @@ void check_clips(Capture& capture, const IngestOptions& options) {
   check_lengths(capture, options);
   warn_of_rates(capture);
   warn_of_colours(capture);
+  for (std::string& line : copied_clips(capture.clips)) capture.warnings.push_back(std::move(line));
+  std::string shifted = shifted_numbers(capture.clips);
+  if (!shifted.empty() && options.sync.offsets.empty())
+    capture.warnings.push_back(std::move(shifted));
 }
 
 std::vector<std::vector<size_t>> kept_frames(Capture& capture, const FrameWindow& window,

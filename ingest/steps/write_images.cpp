@@ -16,6 +16,7 @@
 #include "ingest/steps/sample.h"
 #include "ingest/steps/steps.h"
 #include "ingest/video/clip_frames.h"
+#include "ingest/video/clip_mistakes.h"
 #include "ingest/video/frame_colour.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -101,7 +102,7 @@ void record_tone_map(const std::string& of_clip, Capture& capture) {
 
 void write_clip(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
                 const StepContext& context, std::atomic<int64_t>& object_masks, Capture& capture,
-                int64_t& done) {
+                int64_t& done, FrozenFrames& frozen) {
   const RigCamera& stored = *clip.camera;
   const ImagePreparation preparation(stored.camera, stored.lens,
                                      clip.video.string() + " (" + stored.lens_model + ")",
@@ -113,6 +114,7 @@ void write_clip(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
     for (const CaptureFrame* frame : frames) ticks.push_back(*frame->ticks);
     const auto note = [&](const VideoFrame& decoded) {
       tone_map = tone_map_of(decoded.colour);
+      frozen.see(decoded.image, clip.timeline.time_base.at(decoded.ticks));
       if (decoded.image.channels == 4) capture.background = "alpha kept";
       context.progress(doing, ++done, int64_t(capture.frames.size()));
     };
@@ -128,12 +130,16 @@ void write_clip(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
 void write_clips(const StepContext& context, Capture& capture) {
   int64_t done = 0;
   std::atomic<int64_t> object_masks{0};
+  std::vector<FrozenStretch> frozen;
   for (const RigClip& clip : capture.clips) {
     std::vector<CaptureFrame*> frames;
     for (CaptureFrame& frame : capture.frames)
       if (frame.frame.camera_name == clip.name) frames.push_back(&frame);
-    write_clip(clip, frames, context, object_masks, capture, done);
+    FrozenFrames stretch(clip.name);
+    write_clip(clip, frames, context, object_masks, capture, done, stretch);
+    frozen.push_back(stretch.longest());
   }
+  for (std::string& line : frozen_warnings(frozen)) capture.warnings.push_back(std::move(line));
   note_object_masks(object_masks, capture);
 }
 
