@@ -25,9 +25,9 @@ Tessera4dInput load_tessera4d(const fs::path& path) {
   const Tessera4dContainer container(path);
   if (const size_t windows = container.manifest().windows.size(); windows > 0)
     throw InputError(
-        fmt::format("{}: holds {} windows of a clip, each with a model of its own; "
-                    "name one of them, 0 to {}",
-                    container.path().string(), windows, windows - 1));
+        fmt::format("{}: holds {} windows of a clip, each with a model of its own, and this "
+                    "takes one model: name the run of a window",
+                    container.path().string(), windows));
   Tessera4dInput input;
   input.model = model_of_blocks(
       container, [](const BlockInfo&) { return true; }, input.warnings);

@@ -147,7 +147,7 @@ Split parse_split(const std::string& name) {
 
 Scene scene_for(const GaussianModel& model, const fs::path& model_path, const fs::path& path,
                 SceneOptions options) {
-  options.window = core_of_model(model_path, path);
+  if (!options.window) options.window = core_of_model(model_path, path);
   options.background = model.background;
   options.allow_static = true;
   Scene scene = load_scene(path, options);

@@ -47,7 +47,8 @@ Split parse_split(const std::string& name);
 
 /// The scene with its images on the model's background, times and cameras those of the model, which
 /// was read from `model_path`: where a window of this scene was trained, the frames of its core.
-/// `options`: what of it is loaded; background, allow_static and window are set here. Errors: as
+/// `options`: what of it is loaded; background and allow_static are set here, `window` where it is
+/// not. Errors: as
 /// load_scene.
 Scene scene_for(const GaussianModel& model, const std::filesystem::path& model_path,
                 const std::filesystem::path& path, SceneOptions options = {});

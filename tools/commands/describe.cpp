@@ -57,7 +57,8 @@ json describe_checkpoint(const fs::path& path, bool with_shipped) {
 json describe_windows(const WindowsFolder& folder) {
   const WindowsPlan plan = folder.read();
   json info = described("clip in windows", folder.root);
-  info["scene"] = plan.scene;
+  const std::string scene = scene_of_model(folder.window_run(0), {plan.scene});
+  info["scene"] = scene.empty() ? plan.scene : scene;
   info["windows"] = plan.windows.size();
   info["window_seconds"] = plan.clip.duration / double(plan.windows.size());
   info["overlap"] = plan.overlap;
@@ -161,6 +162,7 @@ json describe_run(const RunFolder& run, bool with_shipped) {
     for (const char* key : {"iteration", "finished", "seconds"}) info[key] = header.at(key);
   }
   info["config"] = run.read_config();
+  if (const std::string scene = scene_of_model(run.root); !scene.empty()) info["scene"] = scene;
   return info;
 }
 

@@ -224,33 +224,42 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   return scores;
 }
 
-/// Of a clip that was trained window by window.
-json evaluate_clip(const EvaluateRequest& request, const WindowsFolder& folder, Lpips* lpips,
-                   Backend& backend, std::string& text) {
+/// --scene, else that of the windows or of the run in which the file lies.
+fs::path scene_of_clip(const EvaluateRequest& request, const WindowsFolder& folder,
+                       const std::string& path) {
+  if (request.scene.empty() && folder.exists()) return scene_of_windows(folder, folder.read());
+  return scene_path(request, path);
+}
+
+/// Of a clip that was trained window by window, from its folder or its Tessera 4D file.
+json evaluate_clip(const EvaluateRequest& request, const std::string& path, const ClipModels& clip,
+                   Lpips* lpips, Backend& backend, std::string& text) {
+  const WindowsFolder folder = windows_folder_of(path);
   for (const auto& [given, name] : {std::pair{!request.images.empty(), "--save-images"},
                                     {!request.boxes.empty(), "--boxes"},
                                     {!request.moving_masks.empty(), "--moving-masks"},
-                                    {!request.scene.empty(), "--scene"},
                                     {!request.background.empty(), "--background"},
                                     {request.scales != std::vector<double>{1}, "--scales"},
                                     {request.fps, "--fps"}})
     if (given)
       throw InputError(fmt::format(
-          "{}: is of windows, and {} of one model; evaluate the run of a window, e.g. {}",
-          folder.root.string(), name, folder.window_run(0).string()));
+          "{}: is of windows, and {} of one model; evaluate the run of a window, e.g. {}", path,
+          name, (folder.exists() ? folder.window_run(0) : "OUT/run/windows/0000").string()));
   EvaluateOptions options;
   if (lpips != nullptr)
     options.lpips = [lpips](const Image8& drawn, const Image8& truth) {
       return lpips->distance(drawn, truth);
     };
-  json scores = score_windows(backend, folder, requested_splits(request), options);
+  const fs::path scene = scene_of_clip(request, folder, path);
+  const SceneLock in_use(scene, SceneLock::Use::kRead);
+  json scores = score_windows(backend, clip.windows, scene, requested_splits(request), options);
   if (scores.empty())
     throw InputError(
         fmt::format("{}: no frames are held out; pass --split train to score what was "
                     "trained on",
-                    folder.root.string()));
-  scores["model"] = folder.root.string();
-  scores["scene"] = folder.read().scene;
+                    path));
+  scores["model"] = folder.exists() ? folder.root.string() : path;
+  if (clip.bytes > 0) scores["bytes"] = clip.bytes;
   scores["backend"] = backend.name();
   const json& borders = scores["borders"];
   text = fmt::format(
@@ -262,6 +271,15 @@ json evaluate_clip(const EvaluateRequest& request, const WindowsFolder& folder, 
       scores["num_static"].get<int64_t>(), scores["num_dynamic"].get<int64_t>(),
       scores["peak_gaussians"].get<int64_t>());
   return scores;
+}
+
+void warn_of_changed_scene(const fs::path& model) {
+  const WindowsFolder windows = windows_folder_of(model);
+  const std::string changed =
+      windows.exists()
+          ? changed_scene(windows.window_run(0), scene_of_windows(windows, windows.read()).string())
+          : changed_scene(model, scene_of_model(model));
+  if (!changed.empty()) warn(changed);
 }
 
 /// Checks what can be checked before a model is read.
@@ -297,13 +315,10 @@ int evaluate_command(const EvaluateRequest& request) {
   for (const std::string& model : request.models) {
     std::string lines;
     Lpips* const network = lpips ? &*lpips : nullptr;
-    const WindowsFolder windows = windows_folder_of(model);
-    if (const std::string changed =
-            changed_scene(windows.exists() ? windows.window_run(0) : fs::path(model));
-        request.scene.empty() && !changed.empty())
-      warn(changed);
-    runs.push_back(windows.exists() ? evaluate_clip(request, windows, network, *backend, lines)
-                                    : evaluate_model(request, model, network, *backend, lines));
+    const std::optional<ClipModels> clip = clip_of(model);
+    if (request.scene.empty()) warn_of_changed_scene(model);
+    runs.push_back(clip ? evaluate_clip(request, model, *clip, network, *backend, lines)
+                        : evaluate_model(request, model, network, *backend, lines));
     text += several ? fmt::format("{}\n{}\n", model, lines) : lines;
   }
   if (!several) {

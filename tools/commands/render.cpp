@@ -201,14 +201,13 @@ void check_request(RenderRequest& request) {
 }
 
 /// What is drawn: the model, or the windows of a clip, whose common part is in `input`.
-WindowModels models_of(const RenderRequest& request, const WindowsFolder& folder,
+WindowModels models_of(const RenderRequest& request, std::optional<ClipModels> clip,
                        ModelInput& input) {
   WindowModels models;
-  if (folder.exists()) {
-    ClipModels clip = clip_models(folder);
-    input.file = RunFolder{clip.head_run}.model();
-    input.model = std::move(clip.head);
-    models = std::move(clip.windows);
+  if (clip) {
+    input.file = std::move(clip->head_file);
+    input.model = std::move(clip->head);
+    models = std::move(clip->windows);
   } else {
     input = load_model_input(request.model);
     models.windows = {FileWindow{}};
@@ -226,7 +225,9 @@ int render(RenderRequest request) {
   set_thread_count(request.threads);
   const WindowsFolder folder = windows_folder_of(request.model);
   ModelInput input;
-  const WindowModels models = models_of(request, folder, input);
+  std::optional<ClipModels> clip = clip_of(request.model);
+  const bool of_windows = clip.has_value();
+  const WindowModels models = models_of(request, std::move(clip), input);
   check_output_of_model(request.out, folder.exists() ? folder.root.string() : request.model,
                         request.choice.cameras);
   const SceneLock in_use(request.choice.cameras, SceneLock::Use::kRead);
@@ -245,10 +246,10 @@ int render(RenderRequest request) {
                  {"background", renderer.background()},
                  {"backend", backend->name()},
                  {"count", views.size()}});
-  if (folder.exists()) result["windows"] = models.windows.size();
+  if (of_windows) result["windows"] = models.windows.size();
   print_result(request.json, result,
                fmt::format("{}: {} images of {}{} Gaussians", request.out, views.size(),
-                           folder.exists() ? "at most " : "", renderer.peak()));
+                           of_windows ? "at most " : "", renderer.peak()));
   return kExitDone;
 }
 

@@ -53,7 +53,7 @@ RenderedViews::RenderedViews(const fs::path& run,
       throw InputError("The scene of this run is gone, so that no view can be rendered.");
   }
   const fs::path trained = parts_.empty() ? root_ : windows_.window_run(0);
-  if (const std::string changed = changed_scene(trained); !changed.empty())
+  if (const std::string changed = changed_scene(trained, scene_.string()); !changed.empty())
     throw InputError(changed);
   backend_ = backend();
   if (parts_.empty()) load(root_);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <memory>
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -12,6 +13,7 @@
 #include "recon4d/options/train_options.h"
 #include "static3d/formats/splat_file.h"
 #include "static3d/tessera4d/tessera4d.h"
+#include "static3d/tessera4d/windowed_file.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {
@@ -88,6 +90,21 @@ ModelInput load_model_input(const fs::path& path) {
   }
   input.bytes = int64_t(fs::file_size(input.file));
   return input;
+}
+
+std::optional<ClipModels> clip_of(const fs::path& path) {
+  if (const WindowsFolder folder = windows_folder_of(path); folder.exists())
+    return clip_models(folder);
+  const bool is_folder = is_tessera4d_folder(path);
+  if (!is_folder && !(fs::is_regular_file(path) && model_kind(path) == ModelKind::kTessera4d))
+    return std::nullopt;
+  const auto parts = std::make_shared<Tessera4dParts>(path);
+  if (parts->manifest().windows.empty()) return std::nullopt;
+  ClipModels clip = clip_with_head(
+      {parts->windows(), [parts](int index) { return parts->load(index); }}, parts->clip());
+  clip.head_file = path;
+  clip.bytes = parts->bytes();
+  return clip;
 }
 
 void replace_background(const std::string& background, GaussianModel& model) {

@@ -3,10 +3,12 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "recon4d/model/gaussian_set.h"
+#include "tools/session/windows_folder.h"
 
 namespace tessera {
 
@@ -28,6 +30,11 @@ ModelKind model_kind(const std::filesystem::path& file);
 /// then.
 /// Errors: InputError naming the path and what is accepted.
 ModelInput load_model_input(const std::filesystem::path& path);
+
+/// A MODEL argument that is a clip in windows: their folder, an OUT of `tessera run` of them, or
+/// their Tessera 4D file or folder, which is `head_file` then; nothing where it is of one model.
+/// Errors: as clip_models and open_tessera4d, at once or when a window is loaded.
+std::optional<ClipModels> clip_of(const std::filesystem::path& path);
 
 /// Another background, of --background's words, in place of the model's and of its environment; ""
 /// leaves both. Errors: as parse_background.

@@ -125,6 +125,7 @@ namespace {
 
 /// By the hash of its transforms.json, which runs of earlier versions do not have.
 bool is_as_trained(const RunFolder& run, const std::filesystem::path& scene) {
+  if (!run.exists()) return true;
   const std::string hash = run.read_config().value("scene_hash", "");
   const std::filesystem::path file = scene / "transforms.json";
   return hash.empty() || (std::filesystem::exists(file) && source_hash(file) == hash);
@@ -132,19 +133,21 @@ bool is_as_trained(const RunFolder& run, const std::filesystem::path& scene) {
 
 }  // namespace
 
-std::string scene_of_model(const std::filesystem::path& model) {
+std::string scene_of_model(const std::filesystem::path& model,
+                           const std::vector<std::filesystem::path>& others) {
   const RunFolder run = run_of_model(model);
   const std::string scene = run.scene();
-  if (scene.empty()) return "";
-  const bool is_there = std::filesystem::exists(scene);
-  if (is_there && is_as_trained(run, scene)) return scene;
-  const std::string moved = moved_scene(run.root, scene);
-  return is_there && (moved.empty() || !is_as_trained(run, moved)) ? scene : moved;
+  std::vector<std::filesystem::path> known;
+  if (!scene.empty()) known = {scene, moved_scene(run.root, scene)};
+  known.insert(known.end(), others.begin(), others.end());
+  std::erase_if(known, [](const auto& place) { return !std::filesystem::exists(place); });
+  for (const std::filesystem::path& place : known)
+    if (is_as_trained(run, place)) return place.string();
+  return known.empty() ? "" : known.front().string();
 }
 
-std::string changed_scene(const std::filesystem::path& model) {
+std::string changed_scene(const std::filesystem::path& model, const std::string& scene) {
   const RunFolder run = run_of_model(model);
-  const std::string scene = scene_of_model(model);
   if (scene.empty() || is_as_trained(run, scene)) return "";
   return fmt::format(
       "{}: was prepared again since {} was trained on it, and may hold out other cameras or have "
@@ -154,9 +157,11 @@ std::string changed_scene(const std::filesystem::path& model) {
 
 std::optional<Window> core_of_model(const std::filesystem::path& model,
                                     const std::filesystem::path& scene) {
-  std::optional<Window> window = run_of_model(model).window();
+  const RunFolder run = run_of_model(model);
+  std::optional<Window> window = run.window();
   std::error_code absent;
-  if (!window || !std::filesystem::equivalent(scene_of_model(model), scene, absent))
+  if (!window || !(std::filesystem::equivalent(scene_of_model(model), scene, absent) ||
+                   is_as_trained(run, scene)))
     return std::nullopt;
   window->overlap = 0;
   return window;

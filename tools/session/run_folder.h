@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "ingest/clocks/windows.h"
 
@@ -56,15 +58,18 @@ std::filesystem::path run_folder_of(const std::filesystem::path& path);
 std::string moved_scene(const std::filesystem::path& run, const std::filesystem::path& scene);
 
 /// The scene that a model was trained on: `model` is a run folder, an OUT of `tessera run`, or lies
-/// in a run folder. Where the scene that config.json names is gone or is another one by now, e.g.
-/// because OUT was moved and made again, the scene in OUT. "" where no run names one, or both are
-/// gone.
-std::string scene_of_model(const std::filesystem::path& model);
+/// in a run folder. Of the scene that config.json names, the scene in OUT (which was moved with the
+/// run) and `others` the first that is as it was trained on, else the first that is there; "" where
+/// none is.
+std::string scene_of_model(const std::filesystem::path& model,
+                           const std::vector<std::filesystem::path>& others = {});
 
-/// A line where that scene is not as it was trained on: it may hold out other cameras. "" else.
-std::string changed_scene(const std::filesystem::path& model);
+/// A line where `scene`, which is not "", is not as that model was trained on: it may hold out
+/// other cameras. "" else.
+std::string changed_scene(const std::filesystem::path& model, const std::string& scene);
 
-/// The core of the window that such a model was trained on, where `scene` is its scene.
+/// The core of the window that such a model was trained on, where `scene` is its scene, by place or
+/// by content.
 std::optional<Window> core_of_model(const std::filesystem::path& model,
                                     const std::filesystem::path& scene);
 

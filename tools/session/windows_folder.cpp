@@ -144,11 +144,13 @@ std::vector<int64_t> WindowsFolder::missing(const WindowsPlan& plan) const {
 }
 
 fs::path scene_of_windows(const WindowsFolder& folder, const WindowsPlan& plan) {
-  if (const std::string scene = scene_of_model(folder.window_run(0)); !scene.empty()) return scene;
-  if (fs::exists(plan.scene)) return plan.scene;
-  if (const std::string moved = moved_scene(folder.root, plan.scene); !moved.empty()) return moved;
-  throw InputError(fmt::format("{}: its scene {} is gone; put it back there",
-                               folder.plan_file().string(), plan.scene));
+  const std::string scene =
+      scene_of_model(folder.window_run(0), {plan.scene, moved_scene(folder.root, plan.scene)});
+  if (!scene.empty()) return scene;
+  throw InputError(fmt::format(
+      "{}: its scene {} is gone; put it back there, or repeat the training with where it is now, "
+      "which trains nothing again",
+      folder.plan_file().string(), plan.scene));
 }
 
 void require_all_windows(const WindowsFolder& folder, const WindowsPlan& plan) {
@@ -160,19 +162,25 @@ void require_all_windows(const WindowsFolder& folder, const WindowsPlan& plan) {
       folder.root.string(), missing.size(), plan.windows.size(), missing.front()));
 }
 
+ClipModels clip_with_head(WindowModels windows, const TimeAxis& axis) {
+  ClipModels clip;
+  clip.windows = std::move(windows);
+  for (int i = 0; i < int(clip.windows.windows.size()) && (i == 0 || !clip.head.moves()); ++i) {
+    clip.head = clip.windows.load(i);
+    clip.head_window = i;
+  }
+  clip.head.time_axis = axis;
+  return clip;
+}
+
 ClipModels clip_models(const WindowsFolder& folder) {
   const WindowsPlan plan = folder.read();
   require_all_windows(folder, plan);
-  ClipModels clip;
-  clip.windows.windows = plan.windows;
-  clip.windows.load = [folder](int index) {
-    return load_model(RunFolder{folder.window_run(index)}.model());
-  };
-  for (int i = 0; i < int(plan.windows.size()) && (i == 0 || !clip.head.moves()); ++i) {
-    clip.head = clip.windows.load(i);
-    clip.head_run = folder.window_run(i);
-  }
-  clip.head.time_axis = plan.clip;
+  WindowModels windows{plan.windows, [folder](int index) {
+                         return load_model(RunFolder{folder.window_run(index)}.model());
+                       }};
+  ClipModels clip = clip_with_head(std::move(windows), plan.clip);
+  clip.head_file = RunFolder{folder.window_run(clip.head_window)}.model();
   return clip;
 }
 

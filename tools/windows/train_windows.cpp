@@ -52,6 +52,7 @@ class WindowsTraining {
 
   json run() {
     if (!prepare()) return result(true);
+    follow_scene();
     const WindowWorkers workers(worker_words(), request_.gpus - 1, folder_.root);
     const bool left = !train_all();
     for (const std::string& failure : workers.failures()) warn(failure);
@@ -71,14 +72,18 @@ class WindowsTraining {
     bool is_told = false;
     while (true) {
       const bool may_differ = request_.overwrite && !is_run_locked(folder_.root);
-      if (folder_.exists() && !may_differ) check_plan();
-      if (WindowsFolder::is_finished(folder_.static_run()) && folder_.exists() && !may_differ)
-        break;
+      if (folder_.exists() && !may_differ) {
+        check_plan();
+        if (WindowsFolder::is_finished(folder_.static_run())) break;
+      }
       if (!is_run_locked(folder_.root)) {
         try {
           const RunLock lock(folder_.root, terminal_);
           if (request_.overwrite) remove_others();
-          if (!folder_.exists()) make_plan();
+          if (folder_.exists())
+            check_plan();  // another program may have made it since
+          else
+            make_plan();
           return make_static();
         } catch (const InputError&) {
           if (!is_run_locked(folder_.root)) throw;  // another program was faster
@@ -156,6 +161,15 @@ class WindowsTraining {
         "{}: holds {} windows of {}{}; {}", folder_.root.string(), count,
         count == request_.count ? request_.scene.string() : plan_.scene,
         count == request_.count ? " as it was, whose files have changed" : "", kTwoWays));
+  }
+
+  /// The plan names the scene where it was found last: it may have been moved.
+  void follow_scene() {
+    const std::string scene = fs::absolute(request_.scene).string();
+    if (plan_.scene == scene || is_run_locked(folder_.root)) return;
+    const RunLock lock(folder_.root, terminal_);
+    plan_.scene = scene;
+    folder_.write(plan_);
   }
 
   void make_plan() {

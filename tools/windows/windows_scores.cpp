@@ -9,12 +9,10 @@
 #include <utility>
 
 #include "recon4d/evaluation/border_scores.h"
-#include "recon4d/model/model_file.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/run_folder.h"
 #include "tools/windows/joined_report.h"
 
 namespace tessera {
@@ -30,22 +28,19 @@ struct SplitOfClip {
 
 }  // namespace
 
-json score_windows(Backend& backend, const WindowsFolder& folder, const std::vector<Split>& splits,
-                   const EvaluateOptions& options) {
-  const WindowsPlan plan = folder.read();
-  require_all_windows(folder, plan);
-  const fs::path path = scene_of_windows(folder, plan);
+json score_windows(Backend& backend, const WindowModels& models, const fs::path& scene_folder,
+                   const std::vector<Split>& splits, const EvaluateOptions& options) {
   std::map<Split, SplitOfClip> of_clip;
   GaussianModel rules;  // the last model: its static set and rules are those of all
   int64_t dynamic = 0, most = 0;
-  const auto count = int64_t(plan.windows.size());
+  const auto count = int64_t(models.windows.size());
   ProgressBar bar("evaluate");
   for (int64_t i = 0; i < count; ++i) {
-    const RunFolder run{folder.window_run(i)};
-    GaussianModel model = load_model(run.model());
-    const Scene scene =
-        scaled_scene(scene_for(model, run.root, path, {.pixels_of = splits}), model.train_scale);
-    const Interval time = plan.windows[size_t(i)].time;
+    GaussianModel model = models.load(int(i));
+    SceneOptions core{.pixels_of = splits};
+    core.window = Window{i, count, 0};
+    const Scene scene = scaled_scene(scene_for(model, {}, scene_folder, core), model.train_scale);
+    const Interval time = models.windows[size_t(i)].time;
     for (const Split split : splits) {
       if (scene.split_indices(split).empty()) continue;
       SplitOfClip& clip = of_clip[split];
@@ -69,7 +64,7 @@ json score_windows(Backend& backend, const WindowsFolder& folder, const std::vec
     const auto found = of_clip.find(split);
     if (found == of_clip.end()) continue;
     json scores = to_json(found->second.report.finish(), rules);
-    scores["windows"] = plan.windows.size();
+    scores["windows"] = models.windows.size();
     scores["num_dynamic"] = dynamic;
     scores["num_gaussians"] = rules.static_set.count() + dynamic;
     scores["peak_gaussians"] = rules.static_set.count() + most;
@@ -77,8 +72,17 @@ json score_windows(Backend& backend, const WindowsFolder& folder, const std::vec
     if (all.empty()) result = scores;
     all[name_of(split)] = std::move(scores);
   }
-  if (!all.empty()) result["splits"] = std::move(all);
+  if (!all.empty()) {
+    result["splits"] = std::move(all);
+    result["scene"] = scene_folder.string();
+  }
   return result;
+}
+
+json score_windows(Backend& backend, const WindowsFolder& folder, const std::vector<Split>& splits,
+                   const EvaluateOptions& options) {
+  const WindowModels models = clip_models(folder).windows;
+  return score_windows(backend, models, scene_of_windows(folder, folder.read()), splits, options);
 }
 
 }  // namespace tessera

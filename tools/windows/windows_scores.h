@@ -14,6 +14,11 @@ namespace tessera {
 /// over all windows, `peak_gaussians` of one with the static set. `splits`: those that have no
 /// frame are left out. Errors: InputError: windows that are not trained, a scene that is gone; as
 /// load_scene; Interrupted.
+nlohmann::json score_windows(Backend& backend, const WindowModels& models,
+                             const std::filesystem::path& scene, const std::vector<Split>& splits,
+                             const EvaluateOptions& options = {});
+
+/// The same of a folder of windows, on the scene that they were trained on.
 nlohmann::json score_windows(Backend& backend, const WindowsFolder& folder,
                              const std::vector<Split>& splits, const EvaluateOptions& options = {});
 

@@ -14,7 +14,7 @@
 namespace tessera::testing {
 namespace {
 
-// Bugs put back, each seen to fail: files of equal size taken for copies; chapters not compared.
+// Bug put back: files of equal size taken for copies; seen to fail.
 TEST(ClipMistakes, OneRecordingUnderSeveralNames) {
   const TemporaryFolder folder;
   std::vector<RigClip> clips;

@@ -212,7 +212,7 @@ TEST_F(Windows, AreReadByReadersThatKnowThemAlone) {
   single_from_folder(folder_.path(), folder_ / "scene.t4d");
   EXPECT_EQ(read_text_file(folder_ / "scene.t4d").substr(0, 8), std::string("TES4\3\0\0\0", 8));
   for (const auto& path : {folder_.path(), folder_ / "scene.t4d"})
-    expect_input_error([&] { load_tessera4d(path); }, {"2 windows", "name one", "0 to 1"});
+    expect_input_error([&] { load_tessera4d(path); }, {"2 windows", "name the run of a window"});
   expect_input_error([] { check_tessera4d_version("a.t4d", 4); },
                      {"a.t4d", "version 4", "up to 3"});
 }

@@ -5,16 +5,14 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
 #include "recon4d/model/model_file.h"
 #include "static3d/tessera4d/windowed_file.h"
 #include "tests/support/set_values.h"
-#include "tests/tools/commands/cli_workspace.h"
+#include "tests/tools/windows/cli_windows_fixture.h"
 
 namespace tessera::testing {
 namespace {
@@ -22,57 +20,27 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// A room that four cameras film for two seconds, 24 frames each.
-class CliWindows : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const ChildResult made =
-        work.run({"synth", "room", "-o", work.at("room"), "--layout", "n3dv", "--cameras", "4",
-                  "--frames", "48", "--width", "48", "--height", "36", "--supersampling", "1"});
-    if (made.exit_code != 0) GTEST_SKIP() << "no video encoder: " << made.err;
-    ASSERT_EQ(work.run({"ingest", work.at("room"), "-o", work.at("scene"), "--cloud", "none",
-                        "--frames-as", "video"})
-                  .exit_code,
-              0);
+/// The images of the whole clip in OUT are those that each window has of itself.
+void expect_views_of_windows(const CliWorkspace& work, const json& whole) {
+  const auto images_of = [](const json& run) {
+    std::map<std::string, std::pair<json, json>> images;
+    for (const json& view : run["views"])
+      if (view["strip"] == true) images[view["name"]] = {view["truth"], view["result"]};
+    return images;
+  };
+  const auto all = images_of(whole);
+  for (const char* window : {"0000", "0001"}) {
+    const json report = work.run_json({"report", work.at(std::string("out/run/windows/") + window),
+                                       "--backend", "cpu", "-o", work.at("of_window")});
+    int found = 0;
+    for (const auto& [name, images] : images_of(report["runs"][0]))
+      if (const auto same = all.find(name); same != all.end()) {
+        EXPECT_EQ(same->second, images) << name;
+        ++found;
+      }
+    EXPECT_GE(found, 3) << window;
   }
-  /// `command` with the options of a tiny training, and more.
-  static std::vector<std::string> tiny(std::vector<std::string> command,
-                                       const std::vector<std::string>& more) {
-    std::istringstream options(
-        "--backend cpu --threads 2 --batch 1 --init-points 300 --sweep false");
-    command.insert(command.end(), std::istream_iterator<std::string>(options), {});
-    command.insert(command.end(), more.begin(), more.end());
-    return command;
-  }
-  std::vector<std::string> train(const std::string& out, std::vector<std::string> more = {}) const {
-    if (std::find(more.begin(), more.end(), "--iterations") == more.end())
-      more.insert(more.end(), {"--iterations", "12"});
-    return tiny({"train", work.at("scene"), "-o", work.at(out), "--windows", "1s"}, more);
-  }
-  /// The images of the whole clip in OUT are those that each window has of itself.
-  void expect_views_of_windows(const json& whole) const {
-    const auto images_of = [](const json& run) {
-      std::map<std::string, std::pair<json, json>> images;
-      for (const json& view : run["views"])
-        if (view["strip"] == true) images[view["name"]] = {view["truth"], view["result"]};
-      return images;
-    };
-    const auto all = images_of(whole);
-    for (const char* window : {"0000", "0001"}) {
-      const json report =
-          work.run_json({"report", work.at(std::string("out/run/windows/") + window), "--backend",
-                         "cpu", "-o", work.at("of_window")});
-      int found = 0;
-      for (const auto& [name, images] : images_of(report["runs"][0]))
-        if (const auto same = all.find(name); same != all.end()) {
-          EXPECT_EQ(same->second, images) << name;
-          ++found;
-        }
-      EXPECT_GE(found, 3) << window;
-    }
-  }
-  const CliWorkspace work;
-};
+}
 
 // Bugs put back, each seen to fail: each window trains static Gaussians of its own; scores of the
 // timesteps beyond the core; checkpoints that stay; times of a window in the place of those of the
@@ -345,7 +313,7 @@ TEST_F(CliWindows, ComeOutOfRunAsOneResult) {
   EXPECT_EQ(report["runs"][0]["windows"].size(), 2u);
   EXPECT_EQ(report["runs"][0]["scores"]["psnr"], result["psnr"]);
   EXPECT_GT(report["runs"][0]["seconds"]["command"], 0);
-  expect_views_of_windows(report["runs"][0]);
+  expect_views_of_windows(work, report["runs"][0]);
   const WrittenFiles before = work.written("out", "model.ply");
   ASSERT_EQ(before.size(), 3u);
   work.run_json(run({"--iterations", "12", "--export-frames", "5"}));
@@ -398,8 +366,9 @@ TEST_F(CliWindows, AreSharedByProgramsAndOutliveAKilledOne) {
   {
     fs::create_directories(work / "other");
     ChildProcess one(train("two"), work.path()), other(train("two"), work / "other");
-    EXPECT_EQ(one.wait().exit_code, 0);
-    EXPECT_EQ(other.wait().exit_code, 0);
+    const ChildResult first = one.wait(), second = other.wait();
+    EXPECT_EQ(first.exit_code, 0) << first.err;
+    EXPECT_EQ(second.exit_code, 0) << second.err;
   }
   same_as_alone("two");
   {
