@@ -36,6 +36,7 @@ constexpr double kCpuPixel = 0.4e-6;   // seconds a pixel and thread: 14.5 steps
 constexpr double kCpuSplat = 0.58e-6;  //   at 240 × 180 with 30,000 Gaussians, 2 threads
 constexpr double kGpuStep = 0.7e-3;    // seconds a step, by dnerf_lego, mic and bonsai
 constexpr double kGpuPixel = 0.05e-9, kGpuSplat = 0.45e-9;  //   on an H200
+constexpr double kGpuRigPixel = 0.5e-9;  // whose images are full; of 1352 × 1014 pixels
 
 /// A value and two moments of each scalar; those of SH share a word.
 int64_t element_bytes(SetForm form, int64_t time_levels) {
@@ -163,7 +164,8 @@ TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& op
   const double elements = kMeanShare * double(forecast.gaussians) * double(batch);
   forecast.cpu_seconds =
       steps * (kCpuPixel * pixels + kCpuSplat * elements) / std::max(1, load.threads);
-  forecast.gpu_seconds = steps * (kGpuStep + kGpuPixel * pixels + kGpuSplat * elements);
+  const double pixel = load.rig ? kGpuRigPixel : kGpuPixel;
+  forecast.gpu_seconds = steps * (kGpuStep + pixel * pixels + kGpuSplat * elements);
   if (options.motion == Motion::kAuto && !load.still) add_trials(load, options, forecast);
   return forecast;
 }

@@ -1,7 +1,7 @@
 // What a long clip would take as windows: how many, how much memory each, and how long on one card
 // and on several.
 #pragma once
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "ingest/scene.h"

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "ingest/derived/static_scene.h"
+#include "ingest/files/atomic_file.h"
 #include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
@@ -18,6 +19,7 @@
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/export/run_successor.h"
+#include "tools/live/earlier_training.h"
 #include "tools/live/stopped_training.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/cli/terminal.h"
-#include "tools/live/earlier_training.h"
+#include "tools/live/stopped_training.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {
