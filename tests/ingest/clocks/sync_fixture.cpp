@@ -23,7 +23,8 @@ void pose_by_file(const fs::path& file, std::vector<RigClip>& clips) {
   for (size_t i = 0; i < clips.size(); ++i) {
     RigCamera& camera = clips[i].camera.emplace(stated->cameras[i].value());
     const VideoTimeline& timeline = clips[i].timeline;
-    camera.camera = camera_of_image(camera.camera, timeline.width, timeline.height, clips[i].name);
+    camera.camera = camera_of_image(camera.camera, timeline.width, timeline.height,
+                                    timeline.shown_width(), clips[i].name);
   }
 }
 
