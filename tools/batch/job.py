@@ -23,7 +23,7 @@ import settings
 import training
 
 RULES = ("ingest", "doctor", "train", "windows", "evaluate", "export", "report")
-FAILED, BAD_INPUT, KILLED = 1, 2, 137  # exit codes
+FAILED, BAD_INPUT, INTERRUPTED, KILLED = 1, 2, 130, 137  # exit codes
 KERNEL_COUNTERS = os.environ.get("TESSERA_KERNEL_COUNTERS", "/proc/vmstat")  # another one in tests
 UNFINISHED = ("ended without a word: out of memory or time, or its machine was lost "
               "(or it still runs)")
@@ -183,6 +183,8 @@ def failure_of(code, was_kernel, log, begin):
     SIGKILL alone does not tell: whoever stops a machine or a queue sends it, too."""
     if code == KILLED:
         message = "was killed (SIGKILL)" + (": out of memory" if was_kernel else "")
+    elif code == INTERRUPTED:
+        message = "was interrupted; repeat the command to go on"
     else:
         message = last_line(log, begin)
     return code, message, "out of memory" in message.lower()

@@ -132,6 +132,8 @@ os.execvp("python3", ["python3", *sys.argv[1:]])' "$batch_folder/one_by_one.py" 
   echo "$code $(tr '\n' ' ' <"$work/signals")$(grep -c -e ^evaluate -e ^report -e "^ingest .*/later" "$work/words")"
 }
 check "Ctrl-C reaches the program once; nothing else starts" same "130 INT 0" "$(stopped_by INT)"
+check "and that is the reason" same "was interrupted; repeat the command to go on" \
+  "$(record train.good.quick.seed-1 message)"
 check "so does SIGTERM" same "75 TERM 0" "$(stopped_by TERM)"
 check "a lost terminal is a SIGTERM" same "75 TERM 0" "$(stopped_by HUP)"
 rm "$work/slow"
