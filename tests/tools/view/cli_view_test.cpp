@@ -9,6 +9,7 @@
 
 #include "tests/tools/commands/cli_workspace.h"
 #include "tests/tools/view/http_client.h"
+#include "tests/tools/windows/cli_windows_fixture.h"
 
 namespace tessera::testing {
 namespace {
@@ -120,6 +121,20 @@ TEST_F(CliView, MakesThePageOfAModel) {
       EXPECT_FALSE(entry.path().filename().string().starts_with("tessera_view_")) << entry.path();
   }
 }
+
+#if TESSERA_HAS_VIEW && TESSERA_HAS_PLAYER
+// Bug put back: the folder is served as it is; seen to fail.
+TEST_F(CliWindows, AreViewedAsAClip) {
+  work.run_json(train("run"));
+  Viewing viewing({work.at("run"), "--json"});
+  EXPECT_NE(viewing.get("/").find("<!doctype html>"), std::string::npos);
+  const std::string answer = viewing.get("/manifest.json");
+  const size_t body = answer.find("\r\n\r\n");
+  ASSERT_NE(body, std::string::npos);
+  EXPECT_EQ(json::parse(answer.substr(body))["windows"].size(), 2u);
+  EXPECT_EQ(viewing.end(SIGTERM).exit_code, 0);
+}
+#endif
 
 // Bugs put back: nothing is told of a training that has stopped; one that patience has ended counts
 // as stopped; each seen to fail.
