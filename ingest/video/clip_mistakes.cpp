@@ -1,5 +1,5 @@
-// Files are read only where others have their sizes. Frames are compared byte for byte: noise tells
-// a still scene from a frozen input.
+// Files are read whole only where others have their sizes and begin alike. Frames are compared byte
+// for byte: noise tells a still scene from a frozen input.
 #include "ingest/video/clip_mistakes.h"
 
 #include <fmt/format.h>
@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <map>
 
+#include "ingest/files/fnv1a.h"
 #include "ingest/test_views.h"
 #include "ingest/video/clip_frames.h"
 #include "kernels/base/median.h"
@@ -27,6 +28,24 @@ std::vector<uintmax_t> sizes_of(const RigClip& clip) {
   return sizes;
 }
 
+/// Of its first file: images without compression have one size in all cameras.
+std::string sample_of(const RigClip& clip) {
+  return sampled_hash(clip.images.empty() ? clip.video : clip.images.front().file);
+}
+
+using Clips = std::vector<const RigClip*>;
+
+/// Those that share what `key` says of them with another one, in groups.
+template <typename Key>
+std::vector<Clips> alike(const Clips& clips, Key key) {
+  std::map<decltype(key(*clips.front())), Clips> groups;
+  for (const RigClip* clip : clips) groups[key(*clip)].push_back(clip);
+  std::vector<Clips> several;
+  for (auto& [value, group] : groups)
+    if (group.size() > 1) several.push_back(std::move(group));
+  return several;
+}
+
 /// Numbers by their distance from the first.
 std::vector<int64_t> pattern_of(const RigClip& clip) {
   std::vector<int64_t> pattern = clip.timeline.ticks;
@@ -37,20 +56,19 @@ std::vector<int64_t> pattern_of(const RigClip& clip) {
 }  // namespace
 
 std::vector<std::string> copied_clips(const std::vector<RigClip>& clips) {
-  std::map<std::vector<uintmax_t>, std::vector<const RigClip*>> alike;
-  for (const RigClip& clip : clips) alike[sizes_of(clip)].push_back(&clip);
+  Clips all;
+  for (const RigClip& clip : clips) all.push_back(&clip);
   std::vector<std::string> lines;
-  for (const auto& [sizes, group] : alike) {
-    if (group.size() < 2) continue;
-    std::map<std::string, std::vector<std::string>> names;  // by content
-    for (const RigClip* clip : group) names[clip_hash(*clip)].push_back(clip->name);
-    for (const auto& [hash, copies] : names)
-      if (copies.size() > 1)
+  for (const Clips& as_large : alike(all, sizes_of))
+    for (const Clips& begin_alike : alike(as_large, sample_of))
+      for (const Clips& copies : alike(begin_alike, clip_hash)) {
+        std::vector<std::string> names;
+        for (const RigClip* clip : copies) names.push_back(clip->name);
         lines.push_back(
             fmt::format("{} are one recording, byte for byte: replace the copies, or leave them "
                         "out with --cameras",
-                        listed_names(copies)));
-  }
+                        listed_names(names)));
+      }
   return lines;
 }
 

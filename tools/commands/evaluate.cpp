@@ -259,6 +259,7 @@ json evaluate_clip(const EvaluateRequest& request, const std::string& path, cons
                     "trained on",
                     path));
   scores["model"] = folder.exists() ? folder.root.string() : path;
+  scores["scene"] = scene.string();
   if (clip.bytes > 0) scores["bytes"] = clip.bytes;
   scores["backend"] = backend.name();
   const json& borders = scores["borders"];

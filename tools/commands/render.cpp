@@ -205,7 +205,9 @@ WindowModels models_of(const RenderRequest& request, std::optional<ClipModels> c
                        ModelInput& input) {
   WindowModels models;
   if (clip) {
-    input.file = std::move(clip->head_file);
+    const WindowsFolder folder = windows_folder_of(request.model);
+    input.file = folder.exists() ? RunFolder{folder.window_run(clip->head_window)}.model()
+                                 : std::filesystem::path(request.model);
     input.model = std::move(clip->head);
     models = std::move(clip->windows);
   } else {

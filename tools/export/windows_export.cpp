@@ -55,7 +55,7 @@ class WindowsExport {
       return in_world(load(window), keep_world);
     };
     ExportRequest frames = request_;
-    frames.model = clip.head_file.parent_path().string();
+    frames.model = folder_.window_run(clip.head_window).string();
     json written = export_frames(frames, clip.head, clip.windows);
     written["peak_gaussians"] = written["max_gaussians"];
     return written;

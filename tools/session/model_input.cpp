@@ -102,7 +102,6 @@ std::optional<ClipModels> clip_of(const fs::path& path) {
   if (parts->manifest().windows.empty()) return std::nullopt;
   ClipModels clip = clip_with_head(
       {parts->windows(), [parts](int index) { return parts->load(index); }}, parts->clip());
-  clip.head_file = path;
   clip.bytes = parts->bytes();
   return clip;
 }

@@ -32,7 +32,7 @@ ModelKind model_kind(const std::filesystem::path& file);
 ModelInput load_model_input(const std::filesystem::path& path);
 
 /// A MODEL argument that is a clip in windows: their folder, an OUT of `tessera run` of them, or
-/// their Tessera 4D file or folder, which is `head_file` then; nothing where it is of one model.
+/// their Tessera 4D file or folder; nothing where it is of one model.
 /// Errors: as clip_models and open_tessera4d, at once or when a window is loaded.
 std::optional<ClipModels> clip_of(const std::filesystem::path& path);
 

@@ -179,9 +179,7 @@ ClipModels clip_models(const WindowsFolder& folder) {
   WindowModels windows{plan.windows, [folder](int index) {
                          return load_model(RunFolder{folder.window_run(index)}.model());
                        }};
-  ClipModels clip = clip_with_head(std::move(windows), plan.clip);
-  clip.head_file = RunFolder{folder.window_run(clip.head_window)}.model();
-  return clip;
+  return clip_with_head(std::move(windows), plan.clip);
 }
 
 WindowsFolder windows_folder_of(const fs::path& path) {

@@ -68,7 +68,6 @@ struct ClipModels {
   /// first in which something moves, where there is one.
   GaussianModel head;
   int head_window = 0;
-  std::filesystem::path head_file;
   int64_t bytes = 0;  // of a file; 0 of a folder
 };
 

@@ -72,10 +72,7 @@ json score_windows(Backend& backend, const WindowModels& models, const fs::path&
     if (all.empty()) result = scores;
     all[name_of(split)] = std::move(scores);
   }
-  if (!all.empty()) {
-    result["splits"] = std::move(all);
-    result["scene"] = scene_folder.string();
-  }
+  if (!all.empty()) result["splits"] = std::move(all);
   return result;
 }
 
