@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <sstream>
+#include <string_view>
 
 #include "kernels/base/errors.h"
 

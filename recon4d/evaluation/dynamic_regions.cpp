@@ -2,6 +2,7 @@
 #include "recon4d/evaluation/dynamic_regions.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 #include "kernels/base/byte_medians.h"

@@ -4,6 +4,7 @@
 #include "static3d/transform/slicer.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "kernels/base/parallel.h"
 #include "kernels/load_gaussian.h"

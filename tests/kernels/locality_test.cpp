@@ -2,6 +2,7 @@
 #include "kernels/math/sort_keys.h"
 
 #include <numeric>
+#include <tuple>
 
 #include "kernels/cpu_backend.h"
 #include "tests/support/test_scene.h"

@@ -1,4 +1,7 @@
 // The function fast_exp over the range used by blending, and Adam against a plain loop in double.
+#include <limits>
+#include <vector>
+
 #include "kernels/math/adam.h"
 #include "tests/support/random.h"
 

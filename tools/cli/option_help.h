@@ -1,5 +1,7 @@
 // The layout of --help and --help-all.
 #pragma once
+#include <memory>
+
 #include "tools/cli/command.h"
 
 namespace tessera {

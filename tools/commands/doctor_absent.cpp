@@ -1,4 +1,6 @@
 // `tessera doctor` of a build without ingest: an error that names the build option to set.
+#include <memory>
+
 #include "kernels/base/errors.h"
 #include "tools/cli/command.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 
 #include "kernels/base/errors.h"
 #include "tests/ingest/clocks/sync_fixture.h"

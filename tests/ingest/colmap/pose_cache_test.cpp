@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera::testing {

@@ -2,6 +2,7 @@
 // the prepared scene made with them.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numeric>
 

@@ -2,6 +2,7 @@
 // refused.
 #include "ingest/poses/pose_matrix.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>

@@ -2,6 +2,7 @@
 // masks as one of images, by its whole and by windows, and what is refused.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,7 @@
 // Intrinsics, splits and names of transforms files, and the messages for invalid files.
 #include "ingest/prepared/transforms_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,6 @@
 // Splats, instance lists and images of every backend against the CPU oracle in double and against
 // the formulas. Source: failure modes C1, C8.
+#include <iterator>
 #include <set>
 
 #include "kernels/math/sort_keys.h"

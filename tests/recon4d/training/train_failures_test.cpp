@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "kernels/base/errors.h"
 #include "recon4d/evaluation/render.h"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "recon4d/training/batch_sampler.h"
 #include "recon4d/training/schedule.h"

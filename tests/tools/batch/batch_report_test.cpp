@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "tests/support/scratch_folder.h"

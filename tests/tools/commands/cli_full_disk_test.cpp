@@ -3,6 +3,7 @@
 // enough space the same command gives the usual result. Source: failure mode F17.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "tests/support/small_disk.h"

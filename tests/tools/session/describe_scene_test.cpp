@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "tests/support/scratch_folder.h"
 #include "tools/commands/describe.h"

@@ -1,6 +1,7 @@
 // Chains of joints: the poses of the solids they carry, and round cones that end in joints.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <numbers>
