@@ -25,16 +25,19 @@ struct CheckpointParts {
   bool filter_sizes;
   int64_t exposures;       // rows
   int64_t exposure_width;  // numbers of a row
+  int64_t averaged;        // states of which the mean of the parameters is; 0: there is none
 };
 
 CheckpointParts parts_of(const TrainState& state) {
-  return {state.has_filter_sizes(), state.exposure.rows(), state.exposure.width()};
+  return {state.has_filter_sizes(), state.exposure.rows(), state.exposure.width(),
+          state.average.states};
 }
 
 CheckpointParts parts_of(const json& header) {
   const bool affine = header.at("options").value("exposure", "") == name_of(ExposureGains::kAffine);
   return {header.at("filter_sizes"), header.at("exposures"),
-          exposure_width(affine ? ExposureGains::kAffine : ExposureGains::kCamera)};
+          exposure_width(affine ? ExposureGains::kAffine : ExposureGains::kCamera),
+          header.value("averaged_states", int64_t{0})};
 }
 
 /// Elements by SH degree of a set in the header; absent where they are alike.
@@ -57,8 +60,10 @@ struct NodeCounts {
   int64_t nodes = 0, knots = 0, started = 0, refitted = 0;
 
   SetForm static_form() const { return nodes > 0 ? SetForm::kCanonical : SetForm::kStatic; }
-  /// Positions, and values and moments of all that is optimised.
-  int64_t scalars() const { return nodes * (3 + 3 * (1 + 7 * knots)); }
+  /// Of all that is optimised.
+  int64_t values() const { return nodes * (1 + 7 * knots); }
+  /// Positions, and values and two moments each.
+  int64_t scalars() const { return 3 * nodes + 3 * values(); }
 };
 
 NodeCounts node_counts(const json& header) {
@@ -105,6 +110,7 @@ void restore_progress(const json& header, TrainState& state) {
   state.decided = header.at("decided");
   state.goal = header.at("goal");
   state.static_is_frozen = header.value("static_is_frozen", false);
+  state.average.states = parts_of(header).averaged;
   state.sampler_epoch = header.at("sampler").at("epoch");
   state.sampler_position = header.at("sampler").at("position");
 }
@@ -136,15 +142,26 @@ void check_header(const CheckpointReader& file, const json& header) {
   const CheckpointParts parts = parts_of(header);
   const int64_t environment = header.at("environment_height");
   const int coefficients = header.at("sh_coefficients"), levels = header.at("sh_time_levels");
+  const auto colours = [&](SetForm form, int64_t count, const ShBlocks& blocks) {
+    const int sets = is_dynamic(form) ? 1 + levels : 1;
+    return 3 * sets * (blocks.mixed() ? blocks.coefficients() : count * coefficients);
+  };
   // values and two moments each, of SH in one word; statistics, filter size where kept
   const auto scalars = [&](SetForm form, int64_t count, const ShBlocks& blocks) {
-    const int sets = is_dynamic(form) ? 1 + levels : 1;
-    const int64_t all = blocks.mixed() ? blocks.coefficients() : count * coefficients;
     return count * (int64_t{trained_geometry_scalars(form)} + 2 + parts.filter_sizes) +
-           6 * all * sets;
+           2 * colours(form, count, blocks);
+  };
+  const auto means = [&](SetForm form, int64_t count, const ShBlocks& blocks) {
+    return count * geometry_scalars(form) + colours(form, count, blocks);
   };
   const NodeCounts nodes = node_counts(header);
   const ShBlocks of_static = blocks_in(header, "static"), of_dynamic = blocks_in(header, "dynamic");
+  const auto averaged = [&]() -> int64_t {
+    if (parts.averaged == 0) return 0;
+    const bool frozen = header.value("static_is_frozen", false);
+    return (frozen ? 0 : means(nodes.static_form(), statics, of_static)) +
+           means(dynamic_form(header), dynamics, of_dynamic) + nodes.values();
+  };
   constexpr int64_t kMost = int64_t{1} << 40;
   const auto within = [](int64_t value, int64_t low, int64_t high) {
     return value >= low && value <= high;
@@ -153,8 +170,8 @@ void check_header(const CheckpointReader& file, const json& header) {
       !within(nodes.nodes, 0, kMaxNodes) || !within(nodes.started, 0, kMost) ||
       !within(nodes.refitted, 0, kMost) ||
       !within(nodes.knots, nodes.nodes > 0 ? kSplineOrder : 0, kMaxKnots) ||
-      !within(parts.exposures, 0, kMost) || !within(environment, 0, int64_t{1} << 16) ||
-      !within(coefficients, 1, kMaxShCoefficients) ||
+      !within(parts.exposures, 0, kMost) || !within(parts.averaged, 0, kMost) ||
+      !within(environment, 0, int64_t{1} << 16) || !within(coefficients, 1, kMaxShCoefficients) ||
       !blocks_fit(of_static, statics, coefficients) ||
       !blocks_fit(of_dynamic, dynamics, coefficients) || !within(levels, 0, kMaxTimeLevels) ||
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
@@ -163,7 +180,7 @@ void check_header(const CheckpointReader& file, const json& header) {
   const auto promised =
       uint64_t(kScalar * (scalars(nodes.static_form(), statics, of_static) +
                           scalars(dynamic_form(header), dynamics, of_dynamic) + nodes.scalars() +
-                          (3 * parts.exposure_width + 1) * parts.exposures +
+                          averaged() + (3 * parts.exposure_width + 1) * parts.exposures +
                           3 * environment_scalars(environment)));
   if (file.array_bytes() != promised)
     refuse_checkpoint(file.path(),
@@ -203,6 +220,7 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
                               {"started", nodes.started},
                               {"refitted", nodes.refitted}};
   if (state.static_is_frozen) header["static_is_frozen"] = true;
+  if (state.average.states > 0) header["averaged_states"] = state.average.states;
   if (state.has_blocks())
     header["sh_blocks"] = {{"static", model.static_set.blocks().elements},
                            {"dynamic", model.dynamic_set.blocks().elements}};
@@ -232,6 +250,8 @@ Checkpoint restored_without_arrays(const CheckpointReader& file, const json& hea
     if (const std::string wrong = wrong_rule(checkpoint.state.model.drawing); !wrong.empty())
       refuse_checkpoint(file.path(), fmt::format("damaged checkpoint: {}", wrong));
     restore_sets(header, checkpoint.state.model);
+    if (checkpoint.state.average.states > 0)
+      checkpoint.state.average.means.resize(averaged_groups(checkpoint.state).size());
   } catch (const json::exception& error) {
     refuse_checkpoint(file.path(), fmt::format("damaged checkpoint: {}", error.what()));
   }
@@ -273,6 +293,9 @@ void for_each_array(State& state, const CheckpointParts& parts, Visit&& visit) {
     for (auto* const buffer : {&group.value, &group.moment1, &group.moment2})
       visit(*buffer, scalars[g]);
   }
+  const auto averaged = averaged_groups(state);
+  for (size_t g = 0; g < state.average.means.size(); ++g)
+    visit(state.average.means[g], averaged[g]->value.size());
 }
 
 }  // namespace

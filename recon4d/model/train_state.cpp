@@ -46,7 +46,8 @@ TrainState needed_of(const TrainState& state, const TrainOptions& options) {
 TrainState TrainState::clone_to(Memory& memory) const {
   TrainState copy{model.clone_to(memory),
                   {statistics[0].clone_to(memory), statistics[1].clone_to(memory)},
-                  exposure.clone()};
+                  exposure.clone(),
+                  average.clone_to(memory)};
   copy.iteration = iteration;
   copy.sampler_epoch = sampler_epoch;
   copy.sampler_position = sampler_position;

@@ -8,6 +8,7 @@
 #include "kernels/backend.h"
 #include "recon4d/model/exposure.h"
 #include "recon4d/model/gaussian_set.h"
+#include "recon4d/model/parameter_average.h"
 #include "recon4d/options/train_options.h"
 
 namespace tessera {
@@ -16,6 +17,7 @@ struct TrainState {
   GaussianModel model;          // in any memory
   SetStatistics statistics[2];  // static, dynamic
   ExposureState exposure;       // on the host
+  ParameterAverage average;     // over the last steps; none before TrainOptions::average_from
   int64_t iteration = 0;        // steps done
   int64_t sampler_epoch = 0, sampler_position = 0;
   double seconds = 0;     // spent in steps and decisions

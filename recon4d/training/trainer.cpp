@@ -97,7 +97,6 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       gradients_{state_.model.static_set.like(backend.memory()),
                  state_.model.dynamic_set.like(backend.memory())},
       timesteps_(scene.timesteps_of(Split::kTrain)),
-      average_(backend),
       d_nodes_(backend.memory()),
       d_environment_(backend.memory()),
       exposed_(exposure_rows(scene, train_frames_, options_)) {
@@ -157,7 +156,7 @@ void Trainer::apply(const StateEdit& edit) {
   complete_pending();
   forget_copies();
   pipeline_.release();
-  average_.begin_anew();
+  state_.average.begin_anew();
   apply_edit(backend_, edit, state_);
   for (int k = 0; k < 2 && options_.filter_3d != Filter3d::kNone; ++k) measure_filter(k);
 }
@@ -240,7 +239,7 @@ void Trainer::step() {
                  true);
   backward();
   prefetch();
-  if (schedule_.averages(state_.iteration)) average_.add(state_);
+  if (schedule_.averages(state_.iteration)) add_to_average(backend_, state_);
   ++state_.iteration;
   state_.sampler_epoch = sampler_.epoch();
   state_.sampler_position = sampler_.position();
@@ -345,7 +344,7 @@ void Trainer::complete_pending() {
 
 void Trainer::finish() {
   forget_copies();
-  average_.take_place(state_);
+  take_average(state_);
   const bool filtered = is_filtered(state_, options_);
   for (int k = 0; k < 2; ++k) {
     if (!state_.trains(k)) continue;

@@ -15,7 +15,6 @@
 #include "recon4d/model/train_state.h"
 #include "recon4d/training/batch_sampler.h"
 #include "recon4d/training/frame_cache.h"
-#include "recon4d/training/parameter_average.h"
 #include "recon4d/training/schedule.h"
 
 namespace tessera {
@@ -126,7 +125,6 @@ class Trainer {
   ViewBatch<float> filter_views_[2];
   int64_t timesteps_;  // of the training frames
   double unseen_seconds_ = 0;
-  ParameterAverage average_;
   MotionNodes d_nodes_;  // gradients
   Buffer<float> d_environment_;
   ExposureRows exposed_;

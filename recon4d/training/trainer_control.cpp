@@ -58,7 +58,7 @@ void Trainer::control() {
   model.drawing.sh_degree = degree;
   model.drawing.sh_time_degree = time_degree;
   if (densifies) densify();
-  if (densifies || reorders) average_.begin_anew();
+  if (densifies || reorders) state_.average.begin_anew();
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state_.set(k);
     if (set.count() == 0 || !state_.trains(k)) continue;
@@ -122,7 +122,7 @@ void Trainer::control_nodes() {
   const bool has_motion = timesteps_ > 1 && options_.motion == Motion::kNodes;
   if (has_motion && schedule_.start_nodes(i) && model.nodes.empty()) {
     complete_pending();
-    average_.begin_anew();
+    state_.average.begin_anew();
     Buffer<float> mean, opacity_logit;
     mean.copy_from(model.static_set.group(kMean).value);
     opacity_logit.copy_from(model.static_set.group(kOpacityLogit).value);
@@ -133,7 +133,7 @@ void Trainer::control_nodes() {
     gradients_[0] = model.static_set.like(backend_.memory());
   } else if (!model.nodes.empty() && knots > model.nodes.knots) {
     complete_pending();
-    average_.begin_anew();
+    state_.average.begin_anew();
     refit_nodes(knots, i, model.nodes);
   }
   if (!model.nodes.empty() &&
