@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "kernels/base/camera_rig.h"
@@ -73,10 +72,8 @@ const OptionOverrides kAnyRig = {{"exposure", "auto"}, {"near_plane", 0}, {"movi
 const OptionOverrides kBackground = {
     {"far_plane", 100}, {"filter_2d", true}, {"near_plane", 0}, {"exposure", "auto"}};
 /// What no training view shows would be grown at the cost of what moves.
-const OptionOverrides kRig = joined(kAnyRig, {{"min_blending_weight", 0.05},
-                                              {"spawn_missed", true},
-                                              {"static_halves", true},
-                                              {"noise", -1}});
+const OptionOverrides kRig =
+    joined(kAnyRig, {{"min_blending_weight", 0.05}, {"spawn_missed", true}});
 constexpr FrameRates kRigRates = {.extent_frames = 3, .mean_time_rate = 0.02};
 /// With few steps the velocities that the initial cloud has count for more than form.
 const OptionOverrides kFastRig = joined(kAnyRig, {{"motion", "velocity"}});
@@ -101,17 +98,13 @@ void apply_rates(TrainOptions& options, const FrameRates& rates, const SceneFact
 }
 
 /// The more cameras film at once, the more of them see a Gaussian: it needs fewer pixels of each
-/// and less weight against what only one of them shows (research/growth.md). In small images a
-/// gradient by NDC stays large down to a fraction of a pixel, where static Gaussians fit noise.
+/// and less weight against what only one of them shows (research/growth.md).
 void fit_to_cameras(TrainOptions& options, const SceneFacts& facts) {
   const int64_t cameras = std::max(facts.cameras, kFewCameras);
   if (facts.camera_pixels > 0)
     lower_limit(options, facts.camera_pixels * cameras / (kFewCameras * kPixelsOfFewCameras));
-  if (!facts.rig()) return;
-  options.opacity_weight = options.scale_weight = kRigWeight / double(facts.cameras);
-  if (facts.camera_pixels > 0 && facts.views > 0)
-    options.static_threshold = std::max(
-        1.0, std::sqrt(kThresholdPixels * double(facts.views) / double(facts.camera_pixels)));
+  if (facts.rig())
+    options.opacity_weight = options.scale_weight = kRigWeight / double(facts.cameras);
 }
 
 /// Few views say less about a Gaussian: fewer of them in fewer steps, whose colours keep closer to

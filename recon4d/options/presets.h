@@ -48,8 +48,6 @@ inline constexpr int64_t kManyViews = 90, kStepsPerView = 300;
 
 inline constexpr int64_t kFewCameras = 4, kPixelsOfFewCameras = 16;
 inline constexpr double kRigWeight = 0.1;
-/// Of an image in which densify_threshold holds for static Gaussians as it is.
-inline constexpr double kThresholdPixels = 1e6;
 
 /// A set of options under a name: a preset on top of the defaults, an ablation on top of that.
 struct NamedOptions {
@@ -62,8 +60,7 @@ struct NamedOptions {
   bool fits_to_views = false;
   /// Whether peak_gaussians is at most one for each kPixelsOfFewCameras pixels of kFewCameras
   /// cameras that film at once, for fewer pixels of more cameras in proportion; and whether
-  /// opacity_weight and scale_weight of a rig are kRigWeight by its cameras, and static_threshold
-  /// grows as the side of its images falls below that of kThresholdPixels.
+  /// opacity_weight and scale_weight of a rig are kRigWeight by its cameras.
   bool fits_to_cameras = false;
   OptionOverrides rig_overrides = {};          // over the overrides, where SceneFacts::rig()
   FrameRates rig_rates = {};                   // likewise
