@@ -54,9 +54,7 @@ HEADERS = {
     "variant": "variant visit holds_alternative get_if",
     "vector": "vector",
 }
-# Standard headers that declare names of another by the standard's own words.
-INCLUDED_WITH = {"sstream": {"string"}, "filesystem": {"system_error"}, "thread": {"compare"},
-                 "map": {"tuple"}, "future": {"thread"}}
+WITH_FILESYSTEM = {"system_error"}  # its functions take std::error_code
 CODE = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"', re.S)
 
 
@@ -81,7 +79,7 @@ def main():
         headers = set(standard[name])
         for inner in project[name]:
             headers |= brought_in(inner, seen)
-        return headers.union(*(INCLUDED_WITH.get(header, set()) for header in headers))
+        return headers | WITH_FILESYSTEM if "filesystem" in headers else headers
 
     missing = 0
     for name, content in text.items():

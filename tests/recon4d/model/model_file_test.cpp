@@ -10,6 +10,7 @@
 
 #include <csignal>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "kernels/base/errors.h"
 #include "recon4d/model/model_info.h"

@@ -2,6 +2,8 @@
 // motion, selections and facts of a model. Trainings are tested in train_spherindrical_test.cpp.
 #include <nlohmann/json.hpp>
 
+#include <tuple>
+
 #include "ingest/files/ply.h"
 #include "kernels/math/rotation3.h"
 #include "recon4d/model/element_edits.h"
