@@ -240,15 +240,18 @@ struct SinkArgs {
 /// Densification statistic of a set, accumulated over batches  [method D.6].
 template <class Real>
 struct DensityStatistics {
-  /// [N] Σ over batches of the mean over views of ‖dL/d mean2D‖ in NDC, or of the sum over pixels
-  /// of the lengths of what they add to that gradient.
+  /// [N] Σ over batches of the mean over views of ‖dL/d mean2D‖ in NDC.
   Span<Real> gradient_sum;
   Span<Real> count;  // [N] batches in which it was visible
+  /// Share of the sum, over pixels, of the lengths of what they add to that gradient, which counts
+  /// in its place where it is larger: what pixels want of a large Gaussian may cancel. 1: always
+  /// [AbsGS].
+  Real length_share = Real(0);
 
   /// Of the elements of a block.
   DensityStatistics block(const ShBlock& block) const {
     return {part_of(gradient_sum, block.first, block.count),
-            part_of(count, block.first, block.count)};
+            part_of(count, block.first, block.count), length_share};
   }
 };
 

@@ -61,7 +61,8 @@ void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
   check(d_colour_.size() == 3 * batch_.pixels, "backward without a gradient of the images");
   check(project_.for_backward, "backward after a forward pass that was not for it");
   d_splats_.resize(splats_.count);
-  lengths_.resize(args.absolute ? splats_.count : 0);
+  const bool lengths = args.statistics[0].length_share > 0 || args.statistics[1].length_share > 0;
+  lengths_.resize(lengths ? splats_.count : 0);
   {
     const StageTimer timer(backend_.clock(), kBlendBackward);
     if (!environment_.map.empty())

@@ -24,6 +24,7 @@ struct PhotometricLaunch {
   double* sums;         // [B, 2] device: Σ|I−G|, Σ SSIM over 3·H·W; written, not added to
   float l1_weight, dssim_weight;
   float moving_weight;  // factor of |I−G| where the mask is kMovingPixel
+  float c2;             // LossWeights::c2
 };
 
 size_t photometric_scratch_bytes(int64_t pixels, int view_count, int max_width, int max_height,

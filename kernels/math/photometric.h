@@ -50,8 +50,8 @@ struct SsimPoint {
 };
 
 template <class Real>
-TESSERA_HD inline SsimPoint<Real> ssim_point(const SsimMoments<Real>& m) {
-  const auto [A, B, C, D] = ssim_terms(m);
+TESSERA_HD inline SsimPoint<Real> ssim_point(const SsimMoments<Real>& m, Real c2 = kSsimC2<Real>) {
+  const auto [A, B, C, D] = ssim_terms(m, kSsimC1<Real>, c2);
   const Real inverse = fast_divide(Real(1), A * B);
   const Real S = C * D * inverse;
   SsimPoint<Real> p;
@@ -66,6 +66,11 @@ struct LossWeights {
   double l1 = 0.8;     // weight of mean |I − G|
   double dssim = 0.2;  // weight of 1 − SSIM
   double moving = 1;   // of |I − G| where the mask is kMovingPixel
+  double noise = 0;    // standard deviation of the noise of G, [0, 1]
+
+  /// C₂ of SSIM + 2σ²: the contrast of noise alone, in both images, counts as equal.
+  /// Deviation: [Wang04] has C₂ alone, by which a loss rewards what fits the noise (noise 0).
+  double c2() const { return kSsimC2<double> + 2 * noise * noise; }
 };
 
 /// Values of a mask, of which 0 ignores a pixel. Where something moves, pixels may weigh more than

@@ -59,7 +59,7 @@ PlaneLoss plane_loss(const Plane<Real>& plane, const LossWeights& weights, Real 
         s.by_x[p] = s.by_xx[p] = s.by_xy[p] = Real(0);
         continue;
       }
-      const SsimPoint<Real> point = ssim_point<Real>(moments(column));
+      const SsimPoint<Real> point = ssim_point<Real>(moments(column), Real(weights.c2()));
       loss.l1 += l1_factor(p) * double(std::abs(x[p] - y[p]));
       loss.ssim += double(point.value);
       s.by_x[p] = lambda * point.d_x;

@@ -79,11 +79,11 @@ void CudaBackend::photometric(const PhotometricArgs<float>& args, Span<float> d_
   loss_weights_ = args.weights;
   scratch_.resize(int64_t(
       photometric_scratch_bytes(args.batch->pixels, int(count), width, height, !d_colour.empty())));
-  launch_photometric(
-      {views_of(*args.batch), target.truth, target.mask, int(count), width, height,
-       args.batch->pixels, args.colour.data, d_colour.data, scratch_.data(), loss_sums_.data(),
-       float(args.weights.l1), float(args.weights.dssim), float(args.weights.moving)},
-      stream_);
+  launch_photometric({views_of(*args.batch), target.truth, target.mask, int(count), width, height,
+                      args.batch->pixels, args.colour.data, d_colour.data, scratch_.data(),
+                      loss_sums_.data(), float(args.weights.l1), float(args.weights.dssim),
+                      float(args.weights.moving), float(args.weights.c2())},
+                     stream_);
   check_launch("photometric");
   report();
   const double samples = 3.0 * double(args.batch->pixels);

@@ -79,7 +79,8 @@ __global__ void __launch_bounds__(kThreads, 7) photometric_forward(KernelArgs ar
       convolve_row<kMoments, kForwardRows>(lines, row, group, m);
 #pragma unroll
       for (int j = 0; j < 4; ++j) {
-        const SsimPoint<float> point = ssim_point<float>({m[0][j], m[1][j], m[2][j], m[3][j]});
+        const SsimPoint<float> point =
+            ssim_point<float>({m[0][j], m[1][j], m[2][j], m[3][j]}, args.call.c2);
         const bool inside = x + j < block.width;
         const bool counts = !inside || block.counts<Masked>((y + row) * block.width + x + j);
         if (inside) ssim += counts ? point.value : 1.0f;

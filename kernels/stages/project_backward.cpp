@@ -69,7 +69,8 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
     const Splat<Real>& splat = args.splats->splat[s];
     const ViewArgs<Real>& view = views[size_t(splat.view)];
     const SplatMoments<Real>& moments = args.d_splats[s];
-    const Real* const length = args.lengths.empty() ? nullptr : &args.lengths[s];
+    const Real share = block.statistics.length_share;
+    const Real length = share > Real(0) ? share * args.lengths[s] : Real(0);
     const GaussianState<Real>& g =
         state_in_view<form>(params, n, splat.view, at_rest, room_of_state);
     const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, rules.time_filter);

@@ -66,10 +66,11 @@ __device__ inline SumsOf<form, float> splat_sums(const Backward& a, int64_t s, b
   const ViewArgs<float>& view = a.views[splat.view];
   const ColourRules<float> colours = rules_of<form>(a.colours);
   const auto add_to = [&](ViewSums<float>& of_view) {
-    add_view_gradient(view, g, slice_at(g.mean, g.spacetime, view.time, a.rules.time_filter),
-                      a.slopes[s], colours.levels > 0 ? a.time_slopes[s] : Vec3<float>(0.0f),
-                      colours, a.rules, splat, a.d_splats[s],
-                      a.lengths != nullptr ? &a.lengths[s] : nullptr, of_view);
+    add_view_gradient(
+        view, g, slice_at(g.mean, g.spacetime, view.time, a.rules.time_filter), a.slopes[s],
+        colours.levels > 0 ? a.time_slopes[s] : Vec3<float>(0.0f), colours, a.rules, splat,
+        a.d_splats[s],
+        a.statistics.length_share > 0 ? a.statistics.length_share * a.lengths[s] : 0.0f, of_view);
   };
   if constexpr (form == SetForm::kCanonical) {
     const int64_t place = splat.view * a.set.carried_stride + n;

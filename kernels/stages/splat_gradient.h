@@ -27,12 +27,12 @@ TESSERA_HD inline Vec3<Real> unclamped_gradient(uint32_t negative, const Vec3<Re
 }
 
 /// What a splat adds to the statistic of density control, in NDC: the length of its gradient by
-/// pixels, or where `length` states it, Σ over pixels of the lengths of theirs  [AbsGS].
+/// pixels, or where it is larger `length`, of BlendBackwardArgs::lengths times length_share.
 template <class Real>
 TESSERA_HD inline Real growth_norm(const ViewArgs<Real>& view, const Splat<Real>& splat,
-                                   const Vec2<Real>& d_mean2d, const Real* length) {
-  if (length == nullptr) return ndc_gradient_norm(d_mean2d, view.width, view.height);
-  return *length * splat.opacity * Real(max_of(view.width, view.height)) * Real(0.5);
+                                   const Vec2<Real>& d_mean2d, Real length) {
+  return max_of(ndc_gradient_norm(d_mean2d, view.width, view.height),
+                length * splat.opacity * Real(max_of(view.width, view.height)) * Real(0.5));
 }
 
 /// Adds one view of Gaussian g; `slice`, `slope`, `time_slope`: of it in that view (levels_slope;
@@ -43,7 +43,7 @@ TESSERA_HD inline void add_view_gradient(const ViewArgs<Real>& view, const Gauss
                                          const Vec3<Real>& time_slope,
                                          const ColourRules<Real>& colours,
                                          const SplatRules<Real>& rules, const Splat<Real>& splat,
-                                         const SplatMoments<Real>& moments, const Real* length,
+                                         const SplatMoments<Real>& moments, Real length,
                                          ViewSums<Real>& sums) {
   const SplatGradient<Real> d = splat_gradient(splat.conic, splat.opacity, moments);
   // a constant of the gradient  [Faster-GS]

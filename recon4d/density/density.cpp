@@ -47,22 +47,36 @@ void gather(Backend& backend, Span<const int64_t> index, int64_t inherited, Gaus
   gather(backend, index, index, inherited, set);
 }
 
-DensityRule rule_of(const DensityContext& context) {
+/// Whether Gaussians of a set grow by halves though others do not.
+bool is_halved(const TrainOptions& options, SetForm form) {
+  return options.static_halves && !is_dynamic(form);
+}
+
+DensityRule rule_of(const DensityContext& context, const GaussianSet& set) {
   const TrainOptions& options = context.options;
   DensityRule rule;
   rule.threshold = options.densify_threshold;
+  if (!is_dynamic(set.form())) rule.threshold *= options.static_threshold;
   rule.prune_opacity = options.prune_opacity;
   // a half is no copy: with halves nothing is cloned
-  rule.halves = grows_with(options, GrowthPart::kLongAxisSplit);
+  const bool halved = is_halved(options, set.form());
+  rule.halves = halved || grows_with(options, GrowthPart::kLongAxisSplit);
   rule.largest_clone = rule.halves ? 0 : options.dense_fraction * context.extent;
   if (context.prune_large) rule.largest_kept = options.prune_extent * context.extent;
   rule.room = context.room;
-  rule.drawn = grows_with(options, GrowthPart::kWeightedDraw);
+  rule.drawn = halved || grows_with(options, GrowthPart::kWeightedDraw);
   rule.seed = uint64_t(options.seed) ^ uint64_t(context.step) << 20;
   return rule;
 }
 
 }  // namespace
+
+float length_share(const TrainOptions& options, SetForm form) {
+  constexpr double kStaticShare = 0.125;
+  if (grows_with(options, GrowthPart::kAbsoluteGradient)) return 1;
+  // lengths do not cancel where residuals are noise
+  return is_halved(options, form) ? float(kStaticShare / (1 + std::max(0.0, options.noise))) : 0;
+}
 
 void take_elements(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
                    GaussianSet& set) {
@@ -73,7 +87,7 @@ void take_elements(Backend& backend, Span<const int64_t> values, Span<const int6
 
 double growth_weight(Backend& backend, const DensityContext& context, const GaussianSet& set,
                      const SetStatistics& statistics) {
-  return backend.growth_weight(set.values(), statistics.spans(), rule_of(context));
+  return backend.growth_weight(set.values(), statistics.spans(), rule_of(context, set));
 }
 
 DensityReport control_density(Backend& backend, const DensityContext& context, GaussianSet& set,
@@ -82,7 +96,7 @@ DensityReport control_density(Backend& backend, const DensityContext& context, G
   const StageTimer timer(backend.clock(), kDensity);
   const int64_t before = set.count();
   DensityElements elements(backend.memory());
-  const DensityRule rule = rule_of(context);
+  const DensityRule rule = rule_of(context, set);
   backend.select_elements(std::as_const(set).values(), std::as_const(statistics).spans(), rule,
                           elements);
   gather(backend, std::as_const(elements.index).span(), elements.survivors, set);

@@ -21,6 +21,11 @@ struct DensityContext {
   int64_t step;      // steps done; names the random numbers of the draw and of the split
 };
 
+/// DensityStatistics::length_share that a set is to gather. Where static Gaussians are halved, a
+/// large one whose pixels do not agree grows, too: it covers a view between the cameras, in which
+/// nothing has corrected it.
+float length_share(const TrainOptions& options, SetForm form);
+
 /// Element i of every group becomes its element values[i], of the moments element moments[i]; −1:
 /// zeros.
 void take_elements(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,

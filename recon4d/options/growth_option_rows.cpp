@@ -19,6 +19,12 @@ void OptionRows::add_growth() {
          "Steps between two density controls; not scaled with the schedule");
   number("densify_threshold", &O::densify_threshold, {0, 1e12}, "[3DGS]",
          "Mean screen-space gradient (NDC) above which a Gaussian is cloned or split");
+  number("static_threshold", &O::static_threshold, {0, 1e6}, "ours",
+         "What densify_threshold is multiplied by for the static set");
+  on_off("static_halves", &O::static_halves, "ours",
+         "Static Gaussians that grow are halved along their longest axis and drawn by their "
+         "gradients, as by densification budget; of the lengths of the gradients of their pixels "
+         "1/(8 + 8 noise) counts where it is more than the gradient");
   number("dense_fraction", &O::dense_fraction, {0, 1e6}, "[3DGS]",
          "Largest scale of a clone, per scene extent; larger Gaussians are split");
   number("prune_opacity", &O::prune_opacity, kShare, "[3DGS]",

@@ -7,6 +7,10 @@ void OptionRows::add_optimisation() {
   group("Loss and exposure");
   number("lambda_dssim", &O::lambda_dssim, kShare, "[3DGS]",
          "Weight of 1 - SSIM in the loss; the rest is L1");
+  number(
+      "noise", &O::noise, {-1, 255}, "ours",
+      "Standard deviation of the noise of the images, of 255 levels, that SSIM in the loss allows "
+      "for; -1: measured in their flattest parts");
   number("moving_weight", &O::moving_weight, {0, 1e3}, "ours",
          "Weight that is added to the L1 of pixels that differ by more than 10 of 255 from the "
          "median over time of their camera, where that stands still");

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "kernels/base/camera_rig.h"
@@ -41,7 +42,7 @@ const OptionOverrides kFast = joined(kBudget, {{"iterations", 2000},
                                                {"sweep", true},
                                                {"split_by_motion", true},
                                                {"filter_2d", true}});
-/// Twice the steps and small weights against haze.
+/// More steps and small weights against haze.
 const OptionOverrides kBest =
     joined(kBalanced, {{"iterations", 15000}, {"opacity_weight", 0.003}, {"scale_weight", 0.003}});
 /// Photos of a place, two a step: what is seen far behind it is part of it.
@@ -72,8 +73,10 @@ const OptionOverrides kAnyRig = {{"exposure", "auto"}, {"near_plane", 0}, {"movi
 const OptionOverrides kBackground = {
     {"far_plane", 100}, {"filter_2d", true}, {"near_plane", 0}, {"exposure", "auto"}};
 /// What no training view shows would be grown at the cost of what moves.
-const OptionOverrides kRig =
-    joined(kAnyRig, {{"min_blending_weight", 0.05}, {"spawn_missed", true}});
+const OptionOverrides kRig = joined(kAnyRig, {{"min_blending_weight", 0.05},
+                                              {"spawn_missed", true},
+                                              {"static_halves", true},
+                                              {"noise", -1}});
 constexpr FrameRates kRigRates = {.extent_frames = 3, .mean_time_rate = 0.02};
 /// With few steps the velocities that the initial cloud has count for more than form.
 const OptionOverrides kFastRig = joined(kAnyRig, {{"motion", "velocity"}});
@@ -84,7 +87,8 @@ constexpr FrameRates kFastRigRates = {
 const OptionOverrides kSingleView = {{"motion", "auto"}};
 const OptionOverrides kNodes = joined(
     kBudget, {{"min_blending_weight", 0.05}, {"densify_interval", 50}, {"peak_gaussians", 100000}});
-/// More views a step or steps gain nothing.
+const OptionOverrides kBestNodes = joined(kNodes, {{"iterations", 30000}});
+/// Where nodes do not carry the scene, more views a step or steps gain nothing.
 const OptionOverrides kBestSingleView = joined(
     joined(kSingleView, kBudget),
     {{"iterations", 14000}, {"batch", 2}, {"densify_interval", 50}, {"peak_gaussians", 200000}});
@@ -97,25 +101,37 @@ void apply_rates(TrainOptions& options, const FrameRates& rates, const SceneFact
   options.lr_mean_time = rates.mean_time_rate / (frames * facts.extent);
 }
 
+/// What is seen from few sides is soon fitted beyond what it shows: fewer steps, and colours that
+/// keep closer to one of all directions (research/growth.md). `count`: cameras of a rig, or images.
+/// Returns its share of `many`, at most 1.
+double fit_to_sides(TrainOptions& options, int64_t count, int64_t many, int64_t steps) {
+  const double share = std::min(1.0, double(count) / double(many));
+  options.iterations = std::min(options.iterations, steps * count);
+  options.lr_sh_rest *= share;
+  return share;
+}
+
+/// Fewer photos have fewer Gaussians, and more weight on small and faint ones.
+void fit_to_photos(TrainOptions& options, int64_t views) {
+  const double share = fit_to_sides(options, views, kManyViews, kStepsPerView);
+  options.gaussians_per_pixel *= share;
+  options.opacity_weight /= share;
+  options.scale_weight /= share;
+}
+
 /// The more cameras film at once, the more of them see a Gaussian: it needs fewer pixels of each
-/// and less weight against what only one of them shows (research/growth.md).
+/// and less weight against what only one of them shows (research/growth.md). In small images a
+/// gradient by NDC stays large down to a fraction of a pixel, where static Gaussians fit noise.
 void fit_to_cameras(TrainOptions& options, const SceneFacts& facts) {
   const int64_t cameras = std::max(facts.cameras, kFewCameras);
   if (facts.camera_pixels > 0)
     lower_limit(options, facts.camera_pixels * cameras / (kFewCameras * kPixelsOfFewCameras));
-  if (facts.rig())
-    options.opacity_weight = options.scale_weight = kRigWeight / double(facts.cameras);
-}
-
-/// Few views say less about a Gaussian: fewer of them in fewer steps, whose colours keep closer to
-/// one of all directions, and more weight on small and faint ones (research/growth.md).
-void fit_to_views(TrainOptions& options, int64_t views) {
-  const double share = std::min(1.0, double(views) / double(kManyViews));
-  options.iterations = std::min(options.iterations, kStepsPerView * views);
-  options.gaussians_per_pixel *= share;
-  options.lr_sh_rest *= share;
-  options.opacity_weight /= share;
-  options.scale_weight /= share;
+  if (!facts.rig()) return;
+  fit_to_sides(options, facts.cameras, kManyCameras, kStepsPerCamera);
+  options.opacity_weight = options.scale_weight = kRigWeight / double(facts.cameras);
+  if (facts.camera_pixels > 0 && facts.views > 0)
+    options.static_threshold = std::max(
+        1.0, std::sqrt(kThresholdPixels * double(facts.views) / double(facts.camera_pixels)));
 }
 
 }  // namespace
@@ -135,9 +151,9 @@ const std::vector<Preset>& presets() {
        "model is pruned",
        kBalanced, kBalancedStill, true, true, kRig, kRigRates, kSingleView, kNodes},
       {"best",
-       "highest quality: 15,000 steps, 14,000 of one camera, 16,000 of photos and up to 800,000 "
+       "highest quality: 15,000 steps, 30,000 of one camera, 16,000 of photos and up to 800,000 "
        "Gaussians",
-       kBest, kBestStill, true, true, kRig, kRigRates, kBestSingleView, kNodes},
+       kBest, kBestStill, true, true, kRig, kRigRates, kBestSingleView, kBestNodes},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
        {{"opacity_reset_interval", 3000}, {"idle_updates", "skip"}}},
@@ -182,7 +198,7 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, 
     for (const auto& [key, value] : named.overrides) set_option(options, key, value);
     if (facts.still) {
       for (const auto& [key, value] : named.still_overrides) set_option(options, key, value);
-      if (named.fits_to_views && facts.views > 0) fit_to_views(options, facts.views);
+      if (named.fits_to_views && facts.views > 0) fit_to_photos(options, facts.views);
     }
     if (facts.background && !named.rig_overrides.empty())
       for (const auto& [key, value] : kBackground) set_option(options, key, value);
@@ -192,8 +208,11 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, 
     }
     if (facts.single_view)
       for (const auto& [key, value] : named.single_view_overrides) set_option(options, key, value);
-    if (facts.nodes)
+    if (facts.nodes) {
       for (const auto& [key, value] : named.node_overrides) set_option(options, key, value);
+      if (named.fits_to_views && facts.images > 0)
+        fit_to_sides(options, facts.images, kManyViews, kStepsPerView);
+    }
     if (named.fits_to_cameras) fit_to_cameras(options, facts);
     return;
   }
@@ -212,6 +231,7 @@ SceneFacts facts_of(const Scene& scene) {
   std::map<std::string, int64_t> frames;  // by camera
   const std::vector<int> training = scene.split_indices(Split::kTrain);
   for (const int i : training) ++frames[scene.frames[size_t(i)].camera_name];
+  facts.images = int64_t(training.size());
   const int64_t timesteps = scene.timesteps_of(Split::kTrain);
   facts.single_view = timesteps > 1 && timesteps == int64_t(training.size());
   for (const auto& [camera, count] : frames) facts.timesteps = std::max(facts.timesteps, count);

@@ -25,6 +25,7 @@ struct SceneFacts {
   bool background = false;    // likewise, of what stands still in the clip of a rig
   int64_t camera_pixels = 0;  // of the distinct training cameras together; 0: not known
   int64_t views = 0;          // distinct training cameras; 0: not known
+  int64_t images = 0;         // training images; 0: not known
   int64_t cameras = 0;        // that film at once: with half as many training frames as the longest
   int64_t timesteps = 0;      // training frames of the camera that has most
   double extent = 0;          // CameraRig::extent, world units
@@ -43,24 +44,30 @@ struct FrameRates {
   double mean_time_rate = 0;  // lr_mean_time, frames
 };
 
-/// Photos that are fewer than kManyViews are soon fitted beyond what they show.
+/// What is seen in fewer photos, or frames of one camera, than kManyViews, or by fewer cameras of a
+/// rig than kManyCameras, is soon fitted beyond what it shows.
 inline constexpr int64_t kManyViews = 90, kStepsPerView = 300;
+inline constexpr int64_t kManyCameras = 30, kStepsPerCamera = 1000;
 
 inline constexpr int64_t kFewCameras = 4, kPixelsOfFewCameras = 16;
 inline constexpr double kRigWeight = 0.1;
+/// Of an image in which densify_threshold holds for static Gaussians as it is.
+inline constexpr double kThresholdPixels = 1e6;
 
 /// A set of options under a name: a preset on top of the defaults, an ablation on top of that.
 struct NamedOptions {
   std::string name, doc;
   OptionOverrides overrides;
   OptionOverrides still_overrides = {};  // over those, where the scene has one timestep
-  /// Of a scene of one timestep: whether less than kManyViews lower gaussians_per_pixel and
-  /// lr_sh_rest and raise opacity_weight and scale_weight in proportion, and iterations are at most
-  /// kStepsPerView for each view.
+  /// Of a scene of one timestep, or of one camera that nodes carry: whether iterations are at most
+  /// kStepsPerView for each view, and less than kManyViews lower lr_sh_rest in proportion; of one
+  /// timestep also gaussians_per_pixel, and raise opacity_weight and scale_weight.
   bool fits_to_views = false;
   /// Whether peak_gaussians is at most one for each kPixelsOfFewCameras pixels of kFewCameras
-  /// cameras that film at once, for fewer pixels of more cameras in proportion; and whether
-  /// opacity_weight and scale_weight of a rig are kRigWeight by its cameras.
+  /// cameras that film at once, for fewer pixels of more cameras in proportion; and of a rig,
+  /// whether iterations are at most kStepsPerCamera for each camera, less than kManyCameras lower
+  /// lr_sh_rest, opacity_weight and scale_weight are kRigWeight by its cameras, and
+  /// static_threshold grows as the side of its images falls below that of kThresholdPixels.
   bool fits_to_cameras = false;
   OptionOverrides rig_overrides = {};          // over the overrides, where SceneFacts::rig()
   FrameRates rig_rates = {};                   // likewise

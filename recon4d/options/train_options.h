@@ -43,7 +43,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   // aliasing
   Filter3d filter_3d = Filter3d::kNone;
   // loss
-  double lambda_dssim = 0.2, moving_weight = 0, opacity_weight = 0, scale_weight = 0;
+  double lambda_dssim = 0.2, moving_weight = 0, opacity_weight = 0, scale_weight = 0, noise = 0;
   // environment
   bool environment = false;
   int64_t environment_size = 256;
@@ -63,7 +63,8 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   Densification densification = Densification::kAdc;
   GrowthPart budget_without = GrowthPart::kNone;
   int64_t densify_from = 600, densify_until = 14900, densify_interval = 100;
-  double densify_threshold = 2e-4, dense_fraction = 0.01;
+  double densify_threshold = 2e-4, static_threshold = 1, dense_fraction = 0.01;
+  bool static_halves = false;
   double prune_opacity = 0.005, prune_extent = 0.1;
   int64_t prune_large_from = 3000, opacity_reset_interval = 0, max_gaussians = 0;
   int64_t reorder_interval = 5000;

@@ -41,13 +41,13 @@ double gain_variance(const FrameSample& sample) {
 
 /// The sums of a set, [N] from `first` on, scaled to all frames.
 void read_sums(const Buffer<ElementSums<float>>& sums, int64_t first, double share,
-               SetContributions& set) {
+               bool motion_known, SetContributions& set) {
   const auto scale = float(1 / share);
   for (size_t n = 0; n < set.weight.size(); ++n) {
     const ElementSums<float>& sum = sums[first + int64_t(n)];
     const float light = std::max(sum.weight, 1e-12f);
     set.weight[n] = scale * sum.weight;
-    set.moving[n] = scale * sum.moving;
+    set.moving[n] = motion_known ? scale * sum.moving : 0;
     set.removal1[n] = scale * sum.removal1;
     set.removal2[n] = scale * sum.removal2;
     set.mean_time[n] = sum.time / light;
@@ -110,7 +110,7 @@ Contributions measure_contributions(Backend& backend, const GaussianModel& model
     for (int k = 0; k < 2; ++k) {
       const int64_t count = (k == 0 ? model.static_set : model.dynamic_set).count();
       contributions.sets[k].resize(count);
-      read_sums(sums, first, share, contributions.sets[k]);
+      read_sums(sums, first, share, contributions.motion_known, contributions.sets[k]);
       first += count;
     }
   };
@@ -118,7 +118,9 @@ Contributions measure_contributions(Backend& backend, const GaussianModel& model
     scale_to_all(share);
     PricedErrors now;
     now.squared_error = squared_error;
-    for (int64_t n = 0; n < sums.size(); ++n) now.error.push_back(double(sums[n].removal2));
+    for (const SetContributions& set : contributions.sets)
+      for (size_t n = 0; n < set.weight.size(); ++n)
+        now.error.push_back(share * set.removal_cost(n));
     now.price = prices(contributions);
     for (double& price : now.price) price *= share;
     return now;

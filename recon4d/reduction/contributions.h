@@ -16,7 +16,7 @@ namespace tessera {
 /// scaled from the frames drawn to all training frames.
 struct SetContributions {
   std::vector<float> weight;    // [N] Σ w, w = T·α: blending weight, pixels
-  std::vector<float> moving;    // [N] that of pixels that may move
+  std::vector<float> moving;    // [N] that of pixels that may move; 0: not known
   std::vector<float> removal1;  // [N] first- and
   std::vector<float> removal2;  // [N] second-order change of the squared error without it alone
   /// [N][d] squared error added by the bands above degree d
@@ -37,6 +37,14 @@ struct SetContributions {
   std::vector<Change> change;
 
   void resize(int64_t count);
+  /// What its removal costs: the second order of the squared error, of which that in pixels that
+  /// may move counts twice, as far as it is known what moves. What moves is a small part of all
+  /// pixels of a clip, and the first that is seen.
+  double removal_cost(size_t n) const { return double(removal2[n]) * motion_factor(n); }
+  /// 1 + the share of its blending weight that is in pixels that may move.
+  double motion_factor(size_t n) const {
+    return weight[n] > 0 ? 1 + double(moving[n]) / double(weight[n]) : 1;
+  }
 };
 
 struct Contributions {

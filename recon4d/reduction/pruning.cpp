@@ -38,7 +38,7 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Contributio
     if (k == 0 && static_is_frozen) continue;
     for (size_t n = 0; n < set.weight.size(); ++n)
       ranked.push_back(
-          {double(set.removal2[n]) / bytes[k], set.weight[n] > 0, k * statics + int64_t(n)});
+          {set.removal_cost(n) / bytes[k], set.weight[n] > 0, k * statics + int64_t(n)});
   }
   parallel_sort(ranked);
   std::vector<Removal> order;
@@ -46,7 +46,7 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Contributio
   for (const Ranked& r : ranked) {
     const int k = r.place < statics ? 0 : 1;
     const int64_t element = r.place - k * statics;
-    order.push_back({k, element, double(contributions.sets[k].removal2[size_t(element)]), bytes[k],
+    order.push_back({k, element, contributions.sets[k].removal_cost(size_t(element)), bytes[k],
                      r.is_lit || contributions.share >= 1});
   }
   return order;

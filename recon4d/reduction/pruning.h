@@ -23,7 +23,7 @@ struct ByteRates {
 struct Removal {
   int set = 0;  // 0: static, 1: dynamic
   int64_t element = 0;
-  /// Squared error that its going adds, by the second order alone: the first is that of a gradient,
+  /// SetContributions::removal_cost: by the second order alone, as the first is that of a gradient,
   /// which training drives to 0, and of what others take over.
   double error = 0;
   double bytes = 0;  // that it frees

@@ -233,7 +233,8 @@ void Trainer::step() {
   report.peak_bytes = backend_.memory().peak_bytes();
   const TargetImages fed = cache_.truth(batch);
   pipeline_.loss({fed.images,
-                  {1 - options_.lambda_dssim, options_.lambda_dssim, 1 + options_.moving_weight},
+                  {1 - options_.lambda_dssim, options_.lambda_dssim, 1 + options_.moving_weight,
+                   options_.noise / 255},
                   fed.masks,
                   maps(batch)},
                  true);
@@ -274,11 +275,11 @@ void Trainer::backward() {
       gradients_[k].resize(set.count(), set.blocks());
       sink.gradient = gradients_[k].values();
     }
-    if (schedule_.gathers_statistics(i) && state_.trains(k))
+    if (schedule_.gathers_statistics(i) && state_.trains(k)) {
       args.statistics[k] = state_.statistics[k].spans();
+      args.statistics[k].length_share = length_share(options_, set.form());
+    }
   }
-  args.absolute =
-      schedule_.gathers_statistics(i) && grows_with(options_, GrowthPart::kAbsoluteGradient);
   args.regulariser = {options_.opacity_weight, options_.scale_weight};
   ParameterGroup& environment = state_.model.environment.map;
   d_environment_.resize(environment.value.size());

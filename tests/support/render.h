@@ -126,14 +126,14 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   }
   for (size_t set = 0; set < 2; ++set) {
     args.sinks[set].gradient = gradients[set].spans();
-    args.statistics[set] = {statistics[2 * set].span(), statistics[2 * set + 1].span()};
+    args.statistics[set] = {statistics[2 * set].span(), statistics[2 * set + 1].span(),
+                            Real(scene.length_share)};
   }
   Buffer<Real> d_environment(int64_t(scene.environment.size()), memory);
   args.d_environment = d_environment.span();
   StoredNodes<Real> d_nodes(scene.nodes.like(), memory);
   args.d_nodes = d_nodes.spans();
   args.acceleration = Real(scene.acceleration);
-  args.absolute = scene.absolute;
   pipeline.backward(args);
   out.d_nodes = d_nodes.fetch();
   out.d_environment = fetched(d_environment, memory);

@@ -92,7 +92,7 @@ struct TestScene {
   std::vector<Real> environment = {};      // [H, 2H, 3]
   TestNodes<Real> nodes = {};              // of a canonical `fixed`
   double acceleration = 0;                 // of `backward` alone
-  bool absolute = false;                   // of `backward` alone
+  double length_share = 0;                 // of the statistics of `backward`
 
   template <class To>
   TestScene<To> as() const {
@@ -109,7 +109,7 @@ struct TestScene {
             std::vector<To>(environment.begin(), environment.end()),
             nodes.template as<To>(),
             acceleration,
-            absolute};
+            length_share};
   }
 };
 

@@ -189,6 +189,7 @@ std::string rig_default(const TrainOption& option) {
   if (key == "lr_mean_time") return fmt::format("{:g} frames", rates.mean_time_rate);
   if (key == "opacity_weight" || key == "scale_weight")
     return fmt::format("{:g} by the number of cameras", kRigWeight);
+  if (key == "lr_sh_rest") return fmt::format("in proportion below {} cameras", kManyCameras);
   return on_rig;
 }
 

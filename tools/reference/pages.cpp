@@ -164,12 +164,20 @@ std::string presets_page() {
     }
     section("With one view a timestep", preset.single_view_overrides);
     section("Where motion nodes carry the scene", preset.node_overrides);
+    if (preset.fits_to_views && !preset.node_overrides.empty())
+      text += fmt::format(
+          "\nAnd at most {} steps for each training image; with less than {} of them "
+          "`--lr-sh-rest` is lower in proportion.\n",
+          kStepsPerView, kManyViews);
     if (preset.fits_to_cameras)
       text += fmt::format(
           "\nFor N training cameras that film at once: during growth at most one Gaussian per {}/N "
-          "of their pixels, {} for {} or fewer; `--opacity-weight` and `--scale-weight` of a rig "
-          "{:g}/N.\n",
-          kFewCameras * kPixelsOfFewCameras, kPixelsOfFewCameras, kFewCameras, kRigWeight);
+          "of their pixels, {} for {} or fewer. Of a rig: at most {} steps for each camera; with "
+          "less than {} cameras `--lr-sh-rest` is lower in proportion; `--opacity-weight` and "
+          "`--scale-weight` {:g}/N; with images of less than {:g} pixels `--static-threshold` is "
+          "higher as their sides are shorter.\n",
+          kFewCameras * kPixelsOfFewCameras, kPixelsOfFewCameras, kFewCameras, kStepsPerCamera,
+          kManyCameras, kRigWeight, kThresholdPixels);
     text += "\n";
   }
   text += "## Without a preset's value\n\n| option | value |\n|---|---|\n";

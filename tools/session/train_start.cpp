@@ -12,6 +12,7 @@
 #include "ingest/cloud/initial_cloud.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
+#include "ingest/images/image_noise.h"
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/motion/nodes.h"
@@ -221,6 +222,17 @@ std::optional<std::string> resolve_budget(const Scene& scene, TrainOptions& opti
       *pixels, options.peak_gaussians);
 }
 
+std::optional<std::string> resolve_noise(const Scene& scene, TrainOptions& options) {
+  constexpr double kVisible = 1;  // levels; C2 of SSIM is that of the contrast of 5.4
+  if (options.noise >= 0) return std::nullopt;
+  options.noise = image_noise(scene);
+  if (options.noise < kVisible) return std::nullopt;
+  return fmt::format(
+      "noise: the images have noise of {:.1f} of 255 levels, which the loss allows for; --noise 0 "
+      "turns this off",
+      options.noise);
+}
+
 /// What follows the score of nodes in a sentence.
 std::string said_of_nodes(const MotionTrial& trial) {
   if (!trial.nodes_move()) return ", which hardly move,";
@@ -234,7 +246,7 @@ std::string said_of_nodes(const MotionTrial& trial) {
 std::vector<std::string> resolve_by_cloud(const Scene& scene, TrainOptions& options) {
   std::vector<std::string> lines;
   for (const auto& line : {resolve_near_plane(scene, options), resolve_exposure(scene, options),
-                           resolve_budget(scene, options)})
+                           resolve_noise(scene, options), resolve_budget(scene, options)})
     if (line) lines.push_back(*line);
   return lines;
 }

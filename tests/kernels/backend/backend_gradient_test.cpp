@@ -112,7 +112,7 @@ TEST_P(BackendGradient, StatisticsOfAbsoluteGradientsEqualTheOracles) {
     for (const bool deterministic : {false, true}) {
       SCOPED_TRACE(std::string(c.name) + (deterministic ? ", deterministic" : ""));
       TestScene<double> scene = smooth_scene(c, 43);
-      scene.absolute = true;
+      scene.length_share = deterministic ? 1 : 0.125;
       scene.options.kernels.deterministic = deterministic;
       expect_gradients(scene);
     }
@@ -121,7 +121,7 @@ TEST_P(BackendGradient, StatisticsOfAbsoluteGradientsEqualTheOracles) {
 TEST_P(BackendGradient, AbsoluteGradientsOfAnyTraversal) {
   // Lists that are cut into segments, and lanes that are pixels of a whole tile.
   TestScene<double> scene = random_scene(700, 900, 0.3, 44);
-  scene.absolute = true;
+  scene.length_share = 1;
   keep_truth_away(scene, 45);
   for (const BackwardForm form : {BackwardForm::kSubTile, BackwardForm::kPixel}) {
     scene.options.kernels.backward = form;
@@ -212,7 +212,7 @@ TEST_P(BackendGradient, LossAndImageGradientEqualTheOracles) {
   Random random(36);
   const std::vector<double> colour = patterns(scene.views, random);
   CpuBackend<double> oracle;
-  for (const LossWeights& weights : {LossWeights{0.8, 0.2}, {1, 0}, {0, 1}}) {
+  for (const LossWeights& weights : {LossWeights{0.8, 0.2}, {1, 0}, {0, 1}, {0, 1, 1, 0.05}}) {
     SCOPED_TRACE(weights.dssim);
     std::vector<ViewLoss> actual, expected;
     const std::vector<double> e = image_gradient(oracle, scene, colour, weights, expected);

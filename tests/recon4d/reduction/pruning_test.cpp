@@ -61,6 +61,21 @@ TEST(Pruning, TheCheapestByteIsRemovedFirst) {
   EXPECT_EQ(errors, (std::vector<float>{1.5f, 1, 3, 5, 9}));
 }
 
+// Bug put back: all pixels count alike; seen to fail.
+TEST(Pruning, WhatIsSeenInMovingPixelsCountsTwice) {
+  Contributions contributions = made_worth({3, 3, 3, 3});
+  contributions.sets[0].weight = {2, 2, 2, 0};
+  contributions.sets[0].moving = {2, 0, 1, 0};
+  std::vector<int64_t> elements;
+  std::vector<double> errors;
+  for (const Removal& removal : made_order(contributions)) {
+    elements.push_back(removal.element);
+    errors.push_back(removal.error);
+  }
+  EXPECT_EQ(elements, (std::vector<int64_t>{3, 1, 2, 0}));
+  EXPECT_EQ(errors, (std::vector<double>{3, 3, 4.5, 6}));
+}
+
 // Bug put back: by price alone; seen to fail.
 TEST(Pruning, EqualsGoInTheOrderOfElementsAndWhatHasNoLightFirst) {
   Contributions contributions = made_worth({2, 2, 0, 2, 0});
