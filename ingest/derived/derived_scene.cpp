@@ -5,6 +5,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/folders.h"
+#include "ingest/images/image_paths.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 
@@ -51,11 +52,14 @@ ordered_json description_of(ordered_json file, const Scene& scene) {
   return file;
 }
 
-void copy_mask(const fs::path& from, const ordered_json& entry, const fs::path& to) {
+void copy_mask(const fs::path& from, ordered_json& entry, const fs::path& to) {
   const std::string mask = entry.value("mask_path", "");
-  if (mask.empty() || fs::exists(to / mask)) return;
-  make_folder((to / mask).parent_path());
-  write_text_file(to / mask, read_text_file(from / mask));
+  if (mask.empty()) return;
+  const std::string name = name_of_image(mask) + fs::path(mask).extension().string();
+  entry["mask_path"] = name;
+  if (fs::exists(to / name)) return;
+  make_folder((to / name).parent_path());
+  write_text_file(to / name, read_text_file(from / mask));
 }
 
 }  // namespace tessera

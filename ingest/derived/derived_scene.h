@@ -30,8 +30,9 @@ class FrameEntries {
 /// points. The list of frames is empty.
 nlohmann::ordered_json description_of(nlohmann::ordered_json file, const Scene& scene);
 
-/// The mask that a frame's entry names, where it does and `to` has it not.
-void copy_mask(const std::filesystem::path& from, const nlohmann::ordered_json& entry,
+/// The mask that a frame's entry names, where it does and `to` has it not. Its name in `to`, which
+/// the entry has then, leads out of no folder.
+void copy_mask(const std::filesystem::path& from, nlohmann::ordered_json& entry,
                const std::filesystem::path& to);
 
 }  // namespace tessera

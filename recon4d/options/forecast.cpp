@@ -120,10 +120,11 @@ ForecastLoad forecast_load(const Scene& scene) {
   return load;
 }
 
-void check_fits_memory(const Scene& scene, int64_t memory) {
+void check_fits_memory(const Scene& scene, const HeldImages& held, int64_t memory) {
   constexpr double kMost = 0.9;
   const ForecastLoad load = forecast_load(scene);
-  const int64_t bytes = load.image_bytes + load.mask_bytes + load.moving_mask_bytes;
+  const int64_t bytes = (held.held_out ? load.image_bytes : load.training_bytes) + load.mask_bytes +
+                        (held.moving_masks ? load.moving_mask_bytes : 0);
   if (double(bytes) <= kMost * double(memory)) return;
   throw InputError(fmt::format(
       "{}: its images take {:.1f} GB, and this machine has {:.1f} GB of memory; train a rig of "

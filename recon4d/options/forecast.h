@@ -28,9 +28,15 @@ struct ForecastLoad {
 /// What a training of the scene would load, by its cameras, sizes and masks; no pixels are needed.
 ForecastLoad forecast_load(const Scene& scene);
 
-/// Errors: InputError, before any image is read: the images and masks of a scene without pixels
-/// would take nearly all of `memory`, bytes that programs can have in all.
-void check_fits_memory(const Scene& scene, int64_t memory);
+/// Images and masks that a training holds.
+struct HeldImages {
+  bool held_out = true;      // those of test and validation views, too
+  bool moving_masks = true;  // a mask of what moves, for each training frame
+};
+
+/// Errors: InputError, before any image is read: what is held of a scene without pixels would take
+/// nearly all of `memory`, bytes that programs can have in all.
+void check_fits_memory(const Scene& scene, const HeldImages& held, int64_t memory);
 
 struct TrainForecast {
   int64_t gaussians = 0;           // at the end of growth

@@ -221,11 +221,15 @@ def perform(job, log):
     job.record(None, UNFINISHED)
     job.forget()
     words, output = job.words(before)
-    os.makedirs(os.path.dirname(output), exist_ok=True)
-    part = output + ".part"
+    part = job.log.removesuffix(".log") + ".part"  # the program may rename its folder
+    state = os.path.join(job.run, "batch.json")
+    asked = records.read(state)
     begin = os.fstat(log.fileno()).st_size
     started, kills = time.monotonic(), kills_for_memory()
     code = run(job, words, part, log)
+    os.makedirs(os.path.dirname(output), exist_ok=True)
+    if asked and not os.path.exists(state):
+        records.write(state, asked)
     if not accepted(job, code, part):
         os.remove(part)
         return failure_of(code or FAILED, kills_for_memory() > kills, job.log, begin)

@@ -1,5 +1,5 @@
 """What a training is asked for: with fewer Gaussians after it ran out of memory. Whether it starts
-or goes on, `tessera train --resume=auto` decides."""
+or goes on, `tessera train` decides."""
 import hashlib
 import os
 
@@ -60,4 +60,4 @@ def command(run, scene, variant, seed, batch, forecast, out_of_memory, in_window
     words = [word for key, value in [*options.items(), *session.items()]
              for word in (dashed(key), value)]
     windows = ["--windows", batch.windows] if in_windows else []
-    return ["--resume=auto", "--overwrite", *windows, "--preset", variant.preset, *words]
+    return ["--overwrite", *windows, "--preset", variant.preset, *words]

@@ -3,14 +3,16 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+
 #include <cerrno>
+#include <string_view>
 
 extern char** environ;
 
 namespace tessera {
 
 pid_t start_in_background(const std::filesystem::path& program,
-                          const std::vector<std::string>& words, int output) {
+                          const std::vector<std::string>& words, const ProgramPlace& place) {
   std::vector<char*> argv;
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
@@ -22,9 +24,21 @@ pid_t start_in_background(const std::filesystem::path& program,
   posix_spawn_file_actions_init(&files);
   // not of the terminal's foreground group: it may not read from there
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  if (output != STDOUT_FILENO) posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
+  if (place.output != STDOUT_FILENO)
+    posix_spawn_file_actions_adddup2(&files, place.output, STDOUT_FILENO);
+  if (place.errors != STDERR_FILENO)
+    posix_spawn_file_actions_adddup2(&files, place.errors, STDERR_FILENO);
+  if (!place.folder.empty()) posix_spawn_file_actions_addchdir_np(&files, place.folder.c_str());
+  std::vector<char*> environment;
+  std::string variable = place.variable;
+  const std::string name = variable.substr(0, variable.find('=') + 1);
+  for (char** entry = environ; *entry != nullptr; ++entry)
+    if (name.empty() || !std::string_view(*entry).starts_with(name)) environment.push_back(*entry);
+  if (!name.empty()) environment.push_back(variable.data());
+  environment.push_back(nullptr);
   pid_t child = -1;
-  const int error = posix_spawn(&child, program.c_str(), &files, &attributes, argv.data(), environ);
+  const int error =
+      posix_spawn(&child, program.c_str(), &files, &attributes, argv.data(), environment.data());
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (error == 0) return child;

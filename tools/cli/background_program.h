@@ -9,9 +9,16 @@
 
 namespace tessera {
 
-/// Starts `program` with `words`, [0] its name, and nothing to read. Its stdout is the open
-/// descriptor `output` of this program. −1, with errno set, where it cannot be started.
+/// What a program is started with beside its words.
+struct ProgramPlace {
+  int output = STDOUT_FILENO, errors = STDERR_FILENO;  // open descriptors of this program
+  std::filesystem::path folder = {};                   // that it works in; empty: this program's
+  std::string variable = {};                           // of its environment, "NAME=value"
+};
+
+/// Starts `program` with `words`, [0] its name, and nothing to read. −1, with errno set, where it
+/// cannot be started.
 pid_t start_in_background(const std::filesystem::path& program,
-                          const std::vector<std::string>& words, int output = STDOUT_FILENO);
+                          const std::vector<std::string>& words, const ProgramPlace& place = {});
 
 }  // namespace tessera

@@ -29,7 +29,7 @@ void add_changes(const json& before, const json& now, const std::string& name,
     return;
   }
   if (before == now) return;  // 30 and 30.0 are equal
-  const bool is_hash = name.starts_with("files of ");
+  const bool is_hash = name.starts_with("contents of ");
   found.push_back(is_hash ? "the " + name
                           : fmt::format("{} {} → {}", name, value_text(before), value_text(now)));
 }
@@ -57,11 +57,24 @@ RunPlan plan_run(const RunRecord& record, const json& request, bool overwrite) {
   const bool known = record.request.is_object();
   if (known) plan.changed = changes(record.request, request);
   const bool is_same = known && plan.changed.empty();
-  if (record.finished)
-    plan.action = is_same ? RunAction::kDone : overwrite ? RunAction::kReplace : RunAction::kRefuse;
+  if (is_same && record.finished)
+    plan.action = RunAction::kDone;
   else if (is_same && record.has_checkpoint)
     plan.action = RunAction::kResume;
+  else
+    plan.action = overwrite ? RunAction::kReplace : RunAction::kRefuse;
   return plan;
+}
+
+InputError refused_run(const std::filesystem::path& out, const RunRecord& record,
+                       const RunPlan& plan) {
+  const std::string why = !plan.changed.empty()        ? "changed: " + text_of_changes(plan.changed)
+                          : record.request.is_object() ? "it has lost its checkpoint"
+                                                       : "what it was asked for is not known";
+  return InputError(fmt::format(
+      "{}: holds {} run; {}; take another -o, or pass --overwrite, which keeps this one as {}.1",
+      out.string(), record.finished ? "a finished" : "an unfinished", why,
+      (out / "").parent_path().filename().string()));
 }
 
 }  // namespace tessera

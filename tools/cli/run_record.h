@@ -1,10 +1,12 @@
 // What a training or a run was asked for, how two requests differ, and what a new request does
-// where a folder holds an earlier one: nothing that is finished is replaced, unless that is asked
-// for.
+// where a folder holds an earlier one: nothing that is there is ever lost.
 #pragma once
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "kernels/base/errors.h"
 
 namespace tessera {
 
@@ -17,19 +19,19 @@ std::vector<std::string> changes(const nlohmann::json& before, const nlohmann::j
 /// The first four, and how many more there are.
 std::string text_of_changes(const std::vector<std::string>& changes);
 
-/// What a folder holds.
+/// What a folder holds of a training, or of the trainings of a clip in windows.
 struct RunRecord {
-  bool has_checkpoint = false, has_model = false;
-  bool finished = false;   // the training has taken its last step
+  bool has_checkpoint = false, has_model = false;  // of any of them
+  bool finished = false;                           // the last step is taken
   nlohmann::json request;  // that it was begun with; null where it is not known
 };
 
 enum class RunAction {
-  kStart,    // from the first step
-  kResume,   // from the checkpoint
-  kReplace,  // from the first step, in place of a finished run
+  kStart,    // from the first step: nothing is there
+  kResume,   // from what is there
   kDone,     // nothing is left to do
-  kRefuse    // a finished run would be lost
+  kRefuse,   // what is there is of another request
+  kReplace,  // the same, and the caller makes room: RunLock::make_room
 };
 
 struct RunPlan {
@@ -37,8 +39,13 @@ struct RunPlan {
   std::vector<std::string> changed;  // from the request of the folder
 };
 
-/// Pure: decides on hours of work. An unfinished run of another request starts anew, and its
-/// checkpoint is the caller's to rename; a finished one is refused without `overwrite`.
+/// Pure: decides on hours of work. What is of the request is resumed or done; what is of another
+/// one is never lost: it is refused, or with `overwrite` replaced.
 RunPlan plan_run(const RunRecord& record, const nlohmann::json& request, bool overwrite);
+
+/// "OUT: holds a finished run; changed: iterations 30 → 60; take another -o, …" of a plan that
+/// refuses.
+InputError refused_run(const std::filesystem::path& out, const RunRecord& record,
+                       const RunPlan& plan);
 
 }  // namespace tessera

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -22,6 +23,8 @@ using nlohmann::json;
 // File names need not be UTF-8.
 constexpr auto kReplaceInvalid = nlohmann::json::error_handler_t::replace;
 
+constexpr const char* kProduct = "contents of the product";  // 0.3 stamped otherwise: "product"
+
 /// Goes into folders that links name, as the readers of captures do; `open`: the folders that `at`
 /// lies in, none of which is entered again.
 void add_files(const fs::path& at, std::vector<fs::path>& open, std::vector<fs::path>& files) {
@@ -34,6 +37,23 @@ void add_files(const fs::path& at, std::vector<fs::path>& open, std::vector<fs::
   for (fs::directory_iterator it(at, error), end; !error && it != end; it.increment(error))
     add_files(it->path(), open, files);
   open.pop_back();
+}
+
+/// A file of text has no zero byte in its first block.
+bool is_text(const fs::path& file) {
+  constexpr size_t kFirst = 4096;
+  std::string begin(kFirst, ' ');
+  std::ifstream(file, std::ios::binary).read(begin.data(), std::streamsize(kFirst));
+  return begin.find('\0') == std::string::npos;
+}
+
+std::string hash_of_contents(const fs::path& file) {
+  constexpr int64_t kBlocks = 10, kMostText = int64_t{1} << 26;
+  constexpr size_t kBytes = 4096;
+  const auto size = int64_t(fs::file_size(file));
+  return size <= int64_t(kBytes) * kBlocks || (size <= kMostText && is_text(file))
+             ? source_hash(file)
+             : sampled_hash(file, kBlocks, kBytes);
 }
 
 }  // namespace
@@ -78,13 +98,13 @@ void StageLedger::finish(const std::string& stage, const json& result,
   const auto now = std::chrono::system_clock::now().time_since_epoch().count();
   json entry = {{"inputs", inputs(stage)}, {"done", true}, {"result", result}, {"at", now}};
   if (seconds) entry["seconds"] = *seconds;
-  if (!product.is_null()) entry["product"] = product;
+  if (!product.is_null()) entry[kProduct] = product;
   set(stage, std::move(entry));
 }
 
 bool StageLedger::wrote(const std::string& stage, const json& product) const {
   if (!is_finished(stage)) return false;
-  const json before = entries_[stage].value("product", json());
+  const json before = entries_[stage].value(kProduct, json());
   return before.is_null() || before == product;
 }
 
@@ -111,10 +131,8 @@ json file_stamps(const fs::path& path) {
   std::vector<fs::path> open, files;
   add_files(path, open, files);
   for (const fs::path& file : files) {
-    // of both ends: the frames of videos and images differ there, too
-    const std::string hash = sampled_hash(file, 2, 4096);
     stamps.push_back(fmt::format("{} {} {}", file.lexically_relative(path).generic_string(),
-                                 fs::file_size(file), hash));
+                                 fs::file_size(file), hash_of_contents(file)));
   }
   std::sort(stamps.begin(), stamps.end());
   return stamps;

@@ -46,7 +46,8 @@ class StageLedger {
 std::string key_of(const nlohmann::json& inputs);
 
 /// What identifies every file below a folder (or a file), but for where the folder lies and when it
-/// was written: its name, its size, and a hash of its first and last 4 KiB.
+/// was written: its name, its size, and a hash of its contents: of text whole, as one digit of a
+/// calibration matters; of images, videos and models of ten blocks.
 nlohmann::json file_stamps(const std::filesystem::path& path);
 
 }  // namespace tessera

@@ -37,6 +37,7 @@ void check_request(const RunRequest& request) {
   check_output_apart(request.out, capture);
   if (!opens_as_scene(capture)) layout_of(capture, options);
   parse_windows(request.windows);
+  check_gpus(request.gpus, request.training.backend);
   is_cuda_chosen(request.training.backend);
 }
 
@@ -65,7 +66,7 @@ void add_run_command(CLI::App& app, Work& work) {
   command.add_option("--description", request->description,
                      "description of the player's page, for sites where its address is posted");
   command.add_flag("--overwrite", request->overwrite,
-                   "replace a finished run once the new one is complete");
+                   "what is there of another request becomes OUT.1; the run starts anew");
   command.add_flag("--view", request->view, "show the training in a browser: tessera view OUT");
   command.add_flag("--json", request->json_output, "print one JSON object");
   request->training.evaluate_every = kNeverEvaluate;  // a stage of its own scores the model

@@ -23,7 +23,6 @@
 #include "tools/cli/training_terminal.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
-#include "tools/export/run_successor.h"
 #include "tools/live/earlier_training.h"
 #include "tools/live/live_training.h"
 #include "tools/live/stopped_training.h"
@@ -32,7 +31,6 @@
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
-#include "tools/session/train_start.h"
 #include "tools/session/windows_folder.h"
 #include "tools/view/view_server.h"
 #include "tools/windows/train_windows.h"
@@ -50,53 +48,19 @@ std::string steps_text(const nlohmann::json& result) {
                      result["total_iterations"].get<int64_t>());
 }
 
-/// The last line of a training that left before its end; "" for one that has ended. `place`: the
-/// run folder that was named, which differs from that of the request for a successor.
-std::string stopped_text(const TrainRequest& request, const fs::path& place,
-                         const nlohmann::json& result) {
+/// The last line of a training that left before its end; "" for one that has ended.
+std::string stopped_text(const TrainRequest& request, const nlohmann::json& result) {
   if (result["finished"].get<bool>()) return "";
-  const std::string how =
-      request.run == place
-          ? fmt::format("resume with: tessera train {} -o {} --resume", request.scene.string(),
-                        place.string())
-          : fmt::format(
-                "{} keeps its earlier result; repeat the command with --overwrite to resume",
-                place.string());
-  return fmt::format("\n{}; {}", steps_text(result), how);
-}
-
-/// Completes a move of a successor that was cut off.
-void complete_move(const fs::path& place, TrainingTerminal& terminal) {
-  if (!fs::exists(place / kNext)) return;
-  const RunLock lock(place, terminal);
-  finish_training_move(place);
-}
-
-/// Where --overwrite would replace a model: the request becomes that of its successor in RUN/next,
-/// which resumes what is there of the same options.
-void train_beside(TrainRequest& request) {
-  request.run /= kNext;
-  WindowsFolder{request.run}.remove();
-  request.resume = can_resume(request, RunFolder{request.run});
-}
-
-/// A complete successor takes its place, and the results name it there.
-void take_place(const TrainRequest& request, const fs::path& place, nlohmann::json& result) {
-  move_training(request.run, place);
-  result["model"] = RunFolder{place}.model().string();
-  if (!result["exposure"].is_null())
-    result["exposure"]["file"] = RunFolder{place}.exposure().string();
+  return fmt::format("\n{}; resume with: tessera train {} -o {} --resume", steps_text(result),
+                     request.scene.string(), request.run.string());
 }
 
 /// A training whose page may stop and resume it, with its view.
 class ViewedTraining {
  public:
-  /// `place`: the run folder that was named; that of `request` differs for a successor.
-  /// `restarts`: a refused checkpoint is renamed, and the training begins again.
-  ViewedTraining(TrainRequest request, fs::path place, bool restarts, bool with_view,
-                 TrainingTerminal& terminal)
+  /// `restarts`: where its checkpoint is refused, the folder is kept as RUN.1, and it begins again.
+  ViewedTraining(TrainRequest request, bool restarts, bool with_view, TrainingTerminal& terminal)
       : request_(std::move(request)),
-        place_(std::move(place)),
         restarts_(restarts),
         with_view_(with_view),
         terminal_(terminal) {}
@@ -122,33 +86,26 @@ class ViewedTraining {
   }
 
  private:
-  bool succeeds() const { return request_.run != place_; }
-
   nlohmann::json train_once() {
-    std::optional<RunLock> lock;  // a training without a successor takes it itself
-    if (succeeds()) lock.emplace(place_, terminal_);
     LiveTraining live(terminal_, request_.run, [&] {
-      if (with_view_ && !view_) view_ = std::make_unique<ViewChild>(place_, by_hand());
+      if (with_view_ && !view_) view_ = std::make_unique<ViewChild>(request_.run, by_hand());
     });
     request_.snapshots = &live;
     nlohmann::json result =
-        succeeds() || restarts_ ? train_or_restart(request_, live) : train_session(request_, live);
+        restarts_ ? train_or_restart(request_, live) : train_session(request_, live);
     by_page_ = live.stopped();
     exit_code_ = interrupted()                ? stop_code()
                  : result["left"].get<bool>() ? kExitNotFinished
                                               : kExitDone;
-    if (succeeds() && result["finished"].get<bool>()) take_place(request_, place_, result);
     return result;
   }
 
   std::string by_hand() const {
-    return succeeds() ? repeated_command()
-                      : shell_line({"tessera", "train", request_.scene.string(), "-o",
-                                    place_.string(), "--resume"});
+    return shell_line(
+        {"tessera", "train", request_.scene.string(), "-o", request_.run.string(), "--resume"});
   }
 
   TrainRequest request_;
-  const fs::path place_;
   const bool restarts_, with_view_;
   TrainingTerminal& terminal_;
   std::unique_ptr<ViewChild> view_;
@@ -156,27 +113,10 @@ class ViewedTraining {
   int exit_code_ = kExitDone;
 };
 
-/// --resume=auto: what is done where `place` holds an earlier run. False: nothing is left to do.
-bool plan_training(TrainRequest& request, const fs::path& place, TrainingTerminal& terminal) {
-  const RunFolder run{place};
-  const RunPlan plan = plan_run(record_of(run, request.scene),
-                                nlohmann::json::parse(request.made_for), request.overwrite);
-  request.resume = plan.action == RunAction::kResume;
-  if (plan.action == RunAction::kDone) return false;
-  if (plan.action == RunAction::kRefuse) throw finished_run_error(place, plan.changed);
-  if (plan.action == RunAction::kReplace) return true;
-  request.overwrite = true;  // no finished run is there
-  if (request.resume || !fs::exists(run.checkpoint())) return true;
-  const RunLock lock(place, terminal);  // not that of a training that runs
-  const fs::path aside = run.set_checkpoint_aside();
-  warn(text_of_aside(run.checkpoint(), plan.changed, aside));
-  return true;
-}
-
 struct Parsed {
   TrainRequest request;
   TrainArguments arguments;
-  bool json = false, view = false;
+  bool json = false, view = false, overwrite = false;
   std::string resume, window, windows = "none", time_limit;
   int64_t stop_after = 0, gpus = 1;
 };
@@ -184,10 +124,12 @@ struct Parsed {
 /// --windows of more than one: the exit code; nothing where the clip is trained as a whole.
 std::optional<int> train_in_windows(const Parsed& parsed) {
   const TrainRequest& request = parsed.request;
+  check_gpus(parsed.gpus, parsed.arguments.backend);
   if (parsed.windows == "none") return std::nullopt;
   const Motion motion =
       resolve_options(parsed.arguments, request.scene, request.window).options.motion;
-  const WindowChoice choice = choose_windows(parsed.windows, request.scene, motion);
+  const WindowChoice choice =
+      choose_windows(parsed.windows, request.scene, motion, request.run, parsed.gpus);
   if (choice.count <= 1) {
     if (!choice.reason.empty()) say(choice.reason);
     return std::nullopt;
@@ -207,7 +149,7 @@ std::optional<int> train_in_windows(const Parsed& parsed) {
   windows.count = choice.count;
   windows.reason = choice.reason;
   windows.gpus = parsed.gpus;
-  windows.overwrite = request.overwrite;
+  windows.overwrite = parsed.overwrite;
   windows.time_limit = request.time_limit;
   windows.stopwatch = request.stopwatch;
   const nlohmann::json result = train_windows(windows);
@@ -215,28 +157,29 @@ std::optional<int> train_in_windows(const Parsed& parsed) {
   return interrupted() ? stop_code() : result["left"].get<bool>() ? kExitNotFinished : kExitDone;
 }
 
-/// The exit code. `decides`: --resume=auto.
-int train_and_report(TrainRequest request, bool decides, bool as_json, bool with_view) {
+/// The exit code. Without --resume the folder decides: what is of this request is resumed or done.
+int train_and_report(TrainRequest request, const Parsed& parsed) {
   try {
     TrainingTerminal terminal;
-    const fs::path place = request.run;
-    complete_move(place, terminal);
-    const bool in_windows = WindowsFolder{place}.exists();
-    if (in_windows && !request.overwrite)
-      throw InputError(
-          fmt::format("{}: holds a clip in windows; take another -o, or replace it by --overwrite",
-                      place.string()));
-    if (decides && !plan_training(request, place, terminal)) {
-      const nlohmann::json result = recorded_result(RunFolder{place});
-      print_result(as_json, result, training_text(result) + "\ndone before, unchanged");
-      return kExitDone;
+    const RunFolder run{request.run};
+    const bool decides = !request.resume;
+    if (decides) {
+      const RunRecord record = record_of(run, request.scene);
+      const RunPlan plan =
+          plan_run(record, nlohmann::json::parse(request.made_for), parsed.overwrite);
+      if (plan.action == RunAction::kRefuse) throw refused_run(request.run, record, plan);
+      if (plan.action == RunAction::kDone) {
+        const nlohmann::json result = recorded_result(run);
+        print_result(parsed.json, result, training_text(result) + "\ndone before, unchanged");
+        return kExitDone;
+      }
+      if (plan.action == RunAction::kReplace) RunLock(request.run, terminal).make_room();
+      request.resume = plan.action == RunAction::kResume;
     }
-    const bool holds_model = in_windows || fs::exists(RunFolder{place}.model());
-    if (request.overwrite && !request.resume && holds_model) train_beside(request);
-    ViewedTraining training(std::move(request), place, decides, with_view, terminal);
+    ViewedTraining training(std::move(request), decides, parsed.view, terminal);
     const nlohmann::json result = training.train();
-    print_result(as_json, result,
-                 training_text(result) + stopped_text(training.request(), place, result));
+    print_result(parsed.json, result,
+                 training_text(result) + stopped_text(training.request(), result));
     if (result["finished"].get<bool>()) training.serve();
     return training.exit_code();
   } catch (const CheckpointRefused& error) {
@@ -253,12 +196,10 @@ void add_train_command(CLI::App& app, Work& work) {
       *app.add_subcommand("train", "train a model from a prepared scene or a D-NeRF folder");
   command.add_option("scene", parsed->request.scene, "prepared scene or D-NeRF folder")->required();
   command.add_option("-o,--out", parsed->request.run, "run folder")->required();
-  command
-      .add_flag("--resume", parsed->resume,
-                "resume from the checkpoint; =auto: start, resume or leave as it is")
+  command.add_flag("--resume", parsed->resume, "resume with the options of the checkpoint")
       ->check(CLI::IsMember({"auto", "true"}));
-  command.add_flag("--overwrite", parsed->request.overwrite,
-                   "replace the run that is there once the new one is complete");
+  command.add_flag("--overwrite", parsed->overwrite,
+                   "what is there of another request becomes RUN.1; the training starts anew");
   command.add_option("--stop-after", parsed->stop_after,
                      "steps of this call; training then stops with a checkpoint; 0: all");
   command.add_option("--time-limit", parsed->time_limit,
@@ -279,8 +220,7 @@ void add_train_command(CLI::App& app, Work& work) {
     work = [parsed] {
       if (parsed->view) require_view_server();
       TrainRequest& request = parsed->request;
-      const bool decides = parsed->resume == "auto";
-      request.resume = !decides && !parsed->resume.empty();
+      request.resume = parsed->resume == "true";
       request.stopwatch = running_stopwatch();
       if (!parsed->time_limit.empty()) request.time_limit = parse_duration(parsed->time_limit);
       if (!parsed->window.empty()) request.window = window_of_text(parsed->window, "--window");
@@ -315,7 +255,7 @@ void add_train_command(CLI::App& app, Work& work) {
       if (!request.resume) check_max_bytes(request.scene.string(), request.options.max_bytes);
       if (const std::string note = page_bytes_note(request.options.max_bytes); !note.empty())
         say(note);
-      return train_and_report(request, decides, parsed->json, parsed->view);
+      return train_and_report(request, *parsed);
     };
   });
 }

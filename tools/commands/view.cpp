@@ -2,7 +2,9 @@
 // to a browser. tools/view has the server.
 #include <fcntl.h>
 #include <fmt/format.h>
+
 #include <poll.h>
+#include <algorithm>
 
 #include <chrono>
 #include <cstdio>
@@ -24,7 +26,6 @@
 #include "tools/cli/terminal.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
-#include "tools/export/run_successor.h"
 #include "tools/export/windows_export.h"
 #include "tools/live/live_watch.h"
 #include "tools/live/open_browser.h"
@@ -77,12 +78,21 @@ ViewSource made_page(const std::string& path) {
   return source;
 }
 
-/// The run folder in `path`, or of the successor that is made in it, that a training writes now;
+/// The run folder in `path` that a training writes now, of a clip in windows that of the window;
 /// "": none.
 fs::path training_in(const fs::path& path) {
-  for (const fs::path& run : {run_folder_of(path / kNext), run_folder_of(path)})
-    if (is_run_locked(run)) return run;
-  return {};
+  std::vector<fs::path> runs;
+  const WindowsFolder windows = windows_folder_of(path);
+  if (windows.exists()) {
+    runs.push_back(windows.static_run());
+    std::error_code none;
+    for (const auto& run : fs::directory_iterator(windows.root / "windows", none))
+      runs.push_back(run.path());
+  } else {
+    runs.push_back(run_folder_of(path));
+  }
+  const auto found = std::find_if(runs.begin(), runs.end(), is_run_locked);
+  return found != runs.end() ? *found : fs::path();
 }
 
 /// `path`: an OUT of `tessera run` or a run folder that a training writes now, an OUT of `tessera

@@ -8,6 +8,7 @@
 #include "tools/export/formats.h"
 #include "tools/live/stopped_training.h"
 #include "tools/session/static_model.h"
+#include "tools/session/windows_folder.h"
 
 namespace tessera {
 
@@ -29,7 +30,8 @@ json asked_of_training(const TrainArguments& arguments, const PlannedOptions& pl
           {"ablation", arguments.ablation},
           {"options", std::move(options)},
           {kWindow, window ? text_of(*window) : kWholeClip},
-          {kStaticModel, static_model.empty() ? kItsOwn : static_model_digest(static_model)}};
+          {kStaticModel, static_model.empty() ? kItsOwn : static_model_digest(static_model)},
+          {kWindows, 1}};
 }
 
 void take_arguments(const TrainArguments& arguments, PlannedOptions planned,
@@ -53,9 +55,19 @@ json recorded_result(const RunFolder& run) {
   return result;
 }
 
+namespace {
+
+RunRecord record_of_windows(const WindowsFolder& folder) {
+  const WindowsPlan plan = folder.read();
+  return {true, true, folder.missing(plan).empty(), plan.request};
+}
+
+}  // namespace
+
 RunRecord record_of(const RunFolder& run, const fs::path& scene) {
+  if (const WindowsFolder windows{run.root}; windows.exists()) return record_of_windows(windows);
+  if (!run.exists()) return {};
   RunRecord record{fs::exists(run.checkpoint()), fs::exists(run.model()), false, {}};
-  if (!run.exists()) return record;
   const json result = last_result(run);
   record.finished = record.has_model && result.is_object() && result.value("finished", false);
   const json config = json::parse(read_text_file(run.config()), nullptr, false);
@@ -70,27 +82,12 @@ RunRecord record_of(const RunFolder& run, const fs::path& scene) {
   if (record.request.is_object()) {  // by a version that knew no windows
     record.request.emplace(kWindow, kWholeClip);
     record.request.emplace(kStaticModel, kItsOwn);
+    record.request.emplace(kWindows, 1);
   }
   // a resumed training may have been given more steps than it was begun with
   if (record.finished && record.request.is_object())
     record.request["options"]["iterations"] = result.at("total_iterations");
   return record;
-}
-
-InputError finished_run_error(const fs::path& folder, const std::vector<std::string>& changed) {
-  return InputError(fmt::format(
-      "{}: holds a finished run; {}; take another -o, or pass --overwrite to replace it",
-      folder.string(),
-      changed.empty() ? "what it was asked for is not known"
-                      : "changed: " + text_of_changes(changed)));
-}
-
-std::string text_of_aside(const fs::path& checkpoint, const std::vector<std::string>& changed,
-                          const fs::path& aside) {
-  return fmt::format("{}: is of an unfinished training of another request ({}); it is {} now",
-                     checkpoint.string(),
-                     changed.empty() ? "not known which" : "changed: " + text_of_changes(changed),
-                     aside.filename().string());
 }
 
 }  // namespace tessera

@@ -20,25 +20,18 @@ namespace tessera {
 nlohmann::json asked_of_training(const TrainArguments& arguments, const PlannedOptions& planned,
                                  const std::optional<Window>& window = {},
                                  const std::filesystem::path& static_model = {});
-inline constexpr const char* kSceneFiles = "files of the scene";
+inline constexpr const char* kSceneFiles = "contents of the scene";  // 0.3: "files of"
+inline constexpr const char* kWindows = "windows";                   // of the clip, in a request
 
 /// Gives a request of a scene, a run, a window and a static model what the command line says of its
 /// training. `files`: the content of the scene, for kSceneFiles.
 void take_arguments(const TrainArguments& arguments, PlannedOptions planned,
                     const std::string& files, TrainRequest& request);
 
-/// Its request is that of config.json. Of a training by a version that did not record it, preset,
-/// ablation and options, where it was of this scene; null where it was of another.
+/// Of a training, its request is that of config.json; by a version that did not record it, preset,
+/// ablation and options, where it was of this scene, and null where it was of another. Of a clip in
+/// windows it is that of windows.json, and all of them are finished, or it is not.
 RunRecord record_of(const RunFolder& run, const std::filesystem::path& scene);
-
-/// A finished run would be replaced.
-InputError finished_run_error(const std::filesystem::path& folder,
-                              const std::vector<std::string>& changed);
-
-/// The warning where the checkpoint of an unfinished training makes room for another request.
-std::string text_of_aside(const std::filesystem::path& checkpoint,
-                          const std::vector<std::string>& changed,
-                          const std::filesystem::path& aside);
 
 /// What the training of a finished record printed at its end: the last event of its log.
 nlohmann::json recorded_result(const RunFolder& run);

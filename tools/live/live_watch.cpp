@@ -114,12 +114,12 @@ std::string LiveWatch::state(int64_t seen) {
     if (now && state->snapshot > 0)
       result["snapshot"] = address_of(folder_.snapshot(state->snapshot), served_);
   }
-  const auto stopped = alive ? std::nullopt : stopped_training(run());
-  const bool complete = !alive && is_complete(run());
+  const auto stopped = alive ? std::nullopt : stopped_training(run_);
+  const bool complete = !alive && is_complete(run_);
   result["complete"] = complete;
-  result["page"] = complete && has_player_of(run(), served_) ? "/player/" : "";
+  result["page"] = complete && has_player_of(run_, served_) ? "/player/" : "";
   result["stopped"] = stopped ? json{{"step", stopped->step}, {"total", stopped->total}} : json();
-  if (stopped) result["resume"] = by_hand_.empty() ? shell_line(resume_words(run())) : by_hand_;
+  if (stopped) result["resume"] = by_hand_.empty() ? shell_line(resume_words(run_)) : by_hand_;
   result["views"] = json::array();
   for (size_t i = 0; i < views_.size(); ++i)
     result["views"].push_back(truth_json(scene_.frames[i], fmt::format("/api/truth?view={}", i)));
@@ -130,12 +130,11 @@ std::string LiveWatch::state(int64_t seen) {
 std::string LiveWatch::report() {
   const std::lock_guard held(mutex_);
   std::error_code absent;
-  const RunFolder run = this->run();
-  const std::pair now{fs::file_size(run.log(), absent), scores_.size()};
+  const std::pair now{fs::file_size(run_.log(), absent), scores_.size()};
   if (absent || now == reported_) return report_;
   json report;
   try {
-    report = run_report({run.read_config(), {}, {}, read_text_file(run.log())});
+    report = run_report({run_.read_config(), {}, {}, read_text_file(run_.log())});
   } catch (const std::exception&) {  // the run is removed or replaced meanwhile
     return report_;
   }
@@ -169,15 +168,9 @@ bool LiveWatch::is_alive(bool has_state) const {
   return (last_ && has_state && Clock::now() - counted_ < kAliveFor) || is_run_locked(run_.root);
 }
 
-/// The folder of a successor is removed when it has taken its place.
-RunFolder LiveWatch::run() const {
-  std::error_code absent;
-  return fs::exists(run_.root, absent) ? run_ : RunFolder{run_folder_of(served_)};
-}
-
 bool LiveWatch::resume() {
   const std::lock_guard held(mutex_);
-  if (is_alive(folder_.state().has_value()) || !stopped_training(run())) return false;
+  if (is_alive(folder_.state().has_value()) || !stopped_training(run_)) return false;
   if (!resume_) return start_again();
   if (is_requested_) return false;
   return is_requested_ = resume_();
@@ -185,19 +178,19 @@ bool LiveWatch::resume() {
 
 bool LiveWatch::start_again() {
   if (resumed_ > 0 && ::waitpid(resumed_, nullptr, WNOHANG) == 0) return false;
-  resumed_ = start_in_background("/proc/self/exe", resume_words(run()), STDERR_FILENO);
+  resumed_ = start_in_background("/proc/self/exe", resume_words(run_), {.output = STDERR_FILENO});
   return resumed_ > 0;
 }
 
 /// Once the training shows something: its config.json is there then.
 void LiveWatch::load_views() {
-  const TrainOptions options = train_options_from_json(run().read_config().at("options"));
+  const TrainOptions options = train_options_from_json(run_.read_config().at("options"));
   SceneOptions wanted;
   wanted.background = parse_background(options.background);
   wanted.allow_static = true;
   wanted.held_out = kViews;
-  wanted.window = run().window();
-  Scene scene = load_scene(run().scene(), wanted);
+  wanted.window = run_.window();
+  Scene scene = load_scene(run_.scene(), wanted);
   std::vector<std::string> views;
   for (const Frame& frame : scene.frames) {
     const fs::path file = truths_.path() / "truth.png";

@@ -26,8 +26,7 @@ namespace tessera {
 /// need them. All members may be called from any thread; none throws.
 class LiveWatch {
  public:
-  /// `served`: the folder that a server shows, in which the run folder lies or which it is. A
-  /// successor, in whose folder `run` is, is followed to its place there.
+  /// `served`: the folder that a server shows, in which the run folder lies or which it is.
   LiveWatch(const std::filesystem::path& run, const std::filesystem::path& served);
   /// The same of a training whose owner resumes it: `by_hand` is the command for a terminal, and
   /// `resume` passes the request on, false where it cannot.
@@ -59,8 +58,6 @@ class LiveWatch {
 
   void ask(int64_t seen);
   bool is_alive(bool has_state) const;
-  /// Where the files of the training are now.
-  RunFolder run() const;
   bool start_again();
   void load_views();
   void score_snapshots();

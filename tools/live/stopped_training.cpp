@@ -13,7 +13,6 @@
 #include "recon4d/model/checkpoint.h"
 #include "tools/batch/engine.h"
 #include "tools/export/player_files.h"
-#include "tools/export/run_successor.h"
 #include "tools/report/log_events.h"
 
 namespace tessera {
@@ -80,12 +79,7 @@ std::vector<std::string> resume_words(const RunFolder& run) {
 }
 
 std::string stopped_line(const fs::path& path) {
-  const RunFolder next{run_folder_of(path / kNext)}, run{run_folder_of(path)};
-  if (const auto stopped = stopped_training(next))
-    return fmt::format(
-        "its successor has stopped after {} of {} steps; repeat the command with --overwrite to "
-        "resume",
-        stopped->step, stopped->total);
+  const RunFolder run{run_folder_of(path)};
   if (const auto stopped = stopped_training(run))
     return fmt::format("stopped after {} of {} steps; {}", stopped->step, stopped->total,
                        resume_advice(path, run));

@@ -34,7 +34,7 @@ bool has_player_of(const RunFolder& run, const std::filesystem::path& out);
 std::vector<std::string> resume_words(const RunFolder& run);
 
 /// "stopped after 429 of 4000 steps; resume with: tessera train …" of an OUT of `tessera run` or a
-/// run folder, or of the successor that is made in it; "" where no training has stopped there.
+/// run folder; "" where no training has stopped there.
 std::string stopped_line(const std::filesystem::path& path);
 
 /// The command line of this process without --view, as it would be typed into a shell.

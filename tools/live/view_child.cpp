@@ -44,8 +44,9 @@ ViewChild::ViewChild(const std::filesystem::path& shown, const std::string& by_h
   if (::pipe2(ends, O_CLOEXEC) == 0) {
     from_view_ = OpenFile(ends[0]);
     const OpenFile of_child(ends[1]);
-    child_ = start_in_background(
-        "/proc/self/exe", {"tessera", "view", shown.string(), "--resumed-by", by_hand}, ends[1]);
+    child_ = start_in_background("/proc/self/exe",
+                                 {"tessera", "view", shown.string(), "--resumed-by", by_hand},
+                                 {.output = ends[1]});
   }
   if (child_ < 0)
     throw InputError(

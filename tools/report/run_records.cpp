@@ -51,6 +51,8 @@ RunRecords read_records(const fs::path& run) {
   RunRecords records;
   const json plan = json_if_sound(run / "windows.json");
   records.windows = windows_of(run, plan);
+  if (!records.windows.empty())
+    records.static_log = text_if_there(run / text_at(plan, "static") / "log.jsonl");
   records.seconds = number_at(field_at(plan, "time"), "duration").value_or(0);
   const fs::path first = records.windows.empty() ? run : run / records.windows.front().folder;
   records.config = json_if_sound(first / "config.json");

@@ -22,6 +22,7 @@ struct RunRecords {
   std::string log;                 // RUN/log.jsonl; of a clip in windows that of the first
   nlohmann::json trained{};        // what `tessera train --json` printed, for a run without a log
   std::vector<WindowRecords> windows{};  // of a clip in windows
+  std::string static_log{};              // of the training of what stands still in it
   double seconds = 0;                    // of such a clip
 };
 

@@ -61,8 +61,11 @@ json training_of(const WindowRecords& window) {
 void add_windows(const RunRecords& records, json& run) {
   const std::vector<ScoredView> views = scored_views(records.metrics);
   json& windows = run["windows"] = json::array();
-  int64_t steps = 0, dynamic = 0, fixed = 0, bytes = 0, peak = 0;
-  double seconds = 0;
+  WindowRecords of_static;
+  of_static.log = records.static_log;
+  const json shared = training_of(of_static);
+  int64_t steps = count_at(shared, "steps"), dynamic = 0, fixed = 0, bytes = 0, peak = 0;
+  double seconds = number_at(shared, "seconds").value_or(0);
   bool is_done = true;
   for (const WindowRecords& window : records.windows) {
     json made = training_of(window);

@@ -27,7 +27,6 @@
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_outputs.h"
-#include "tools/export/run_successor.h"
 #include "tools/live/earlier_training.h"
 #include "tools/live/live_training.h"
 #include "tools/live/stopped_training.h"
@@ -63,32 +62,31 @@ constexpr RunStage kIngest{1, "ingest", "ingest", false}, kTrain{2, "train", "tr
     kEvaluate{3, "evaluate", "evaluate"}, kExport{4, "export", "export"},
     kPage{5, "page", "player"}, kReport{6, "report", "report"};
 
-constexpr const char* kWindowsKey = "windows";
+constexpr const char* kCaptureFiles = "contents of the capture";  // 0.3: "files of"
 constexpr const char* kAsked = "asked";  // the entry of the request, which is done with the run
 
 /// What a run is asked for, but for what is made anew in seconds.
 json asked_of(const RunRequest& request) {
   json asked = to_json(resolve_ingest(request.ingest));
-  asked["files of the capture"] = key_of(file_stamps(request.capture));
-  asked[kWindowsKey] = request.windows;
   asked.update(
       asked_of_training(request.training, resolve_options(request.training, SceneFacts{})));
+  asked[kCaptureFiles] = key_of(file_stamps(request.capture));
+  asked[kWindows] = request.windows;
   return asked;
 }
 
-/// A training that was decided on after its scene was known would replace a finished one.
-struct Replaces {};
-
 class Runner {
  public:
-  /// `root`: OUT, or the folder in it in which the successor of a finished run is made.
-  Runner(const RunRequest& request, json asked, fs::path root, std::unique_ptr<ViewChild>& view)
+  /// `earlier`: what was in OUT before, from which the scene is taken where it is of the same; or
+  /// "".
+  Runner(const RunRequest& request, json asked, fs::path earlier, std::unique_ptr<ViewChild>& view)
       : request_(request),
         view_(view),
         asked_(std::move(asked)),
         planned_(resolve_options(request.training, SceneFacts{})),
         ingest_options_(resolve_ingest(request.ingest)),
-        root_(std::move(root)),
+        earlier_(std::move(earlier)),
+        root_(request.out),
         run_{root_ / "run"},
         stages_(root_ / "stages.json") {}
 
@@ -104,7 +102,6 @@ class Runner {
     choose_windows_of_scene();
     if (!train() || !evaluate_model()) return false;
     if (!stages_.ledger().done(kAsked, asked_)) stages_.ledger().finish(kAsked, json::object());
-    if (root_ != request_.out) take_place();
     return export_frames() && write_player() && write_report();
   }
 
@@ -129,16 +126,6 @@ class Runner {
   }
 
  private:
-  /// The complete successor of a finished run moves from root_ to OUT.
-  void take_place() {
-    const fs::path from = root_;
-    root_ = request_.out;
-    move_successor(from, root_);
-    run_ = RunFolder{root_ / "run"};
-    if (scene_ == from / "scene") scene_ = root_ / "scene";
-    stages_.ledger() = StageLedger(root_ / "stages.json");
-  }
-
   bool ingest() {
     IngestOptions options = ingest_options_;
     options.allow_static = planned_.options.motion == Motion::kNone;
@@ -147,10 +134,10 @@ class Runner {
     const bool as_it_is =
         inputs == to_json(defaults_for(options)) && opens_as_scene(request_.capture);
     scene_ = as_it_is ? request_.capture : root_ / "scene";
-    inputs["files of the capture"] = asked_["files of the capture"];
+    inputs[kCaptureFiles] = asked_[kCaptureFiles];
     inputs["as it is"] = as_it_is;
     scene_key_ = key_of(inputs);
-    if (root_ != request_.out) share_scene(inputs, as_it_is);
+    if (!earlier_.empty() && !as_it_is) take_scene(inputs);
     return stages_.done(kIngest, inputs, as_it_is ? scene_ : scene_ / "transforms.json", [&] {
       json result = {{"scene", scene_.string()}};
       if (as_it_is) return std::optional(result);
@@ -163,34 +150,30 @@ class Runner {
     });
   }
 
-  /// A successor has the scene of the finished run where that is made of the same.
-  void share_scene(const json& inputs, bool as_it_is) {
-    const StageLedger before(request_.out / "stages.json");
-    const fs::path made = as_it_is ? scene_ : request_.out / "scene";
-    if (!before.done(kIngest.entry, inputs) || !fs::exists(made)) return;
-    scene_ = made;
-    stages_.ledger().adopt(kIngest.entry, before);
+  /// The scene of the earlier run by links, where it was made of the same; where the file system
+  /// has none, it is made again.
+  void take_scene(const json& inputs) {
+    const StageLedger before(earlier_ / "stages.json");
+    if (!before.done(kIngest.entry, inputs)) return;
+    std::error_code reason;
+    fs::copy(earlier_ / "scene", scene_,
+             fs::copy_options::recursive | fs::copy_options::create_hard_links, reason);
+    if (reason)
+      fs::remove_all(scene_);
+    else
+      stages_.ledger().adopt(kIngest.entry, before);
   }
 
   void choose_windows_of_scene() {
-    const WindowChoice choice = choose_windows(request_.windows, scene_, planned_.options.motion);
+    const WindowChoice choice =
+        choose_windows(request_.windows, scene_, planned_.options.motion, run_.root, request_.gpus);
     if (!choice.reason.empty()) say(choice.reason);
     windows_ = choice.count;
   }
 
-  /// A finished training of another request is refused, or replaced where that is asked for.
-  void check_finished(const RunPlan& plan) const {
-    if (plan.action == RunAction::kRefuse) throw finished_run_error(request_.out, plan.changed);
-    // a successor that is finished and not in its place yet is no result of anybody
-    if (plan.action == RunAction::kReplace && root_ == request_.out) throw Replaces{};
-  }
-
   bool train_windows_of_scene(json inputs) {
-    inputs[kWindowsKey] = windows_;
+    inputs[kWindows] = windows_;
     const fs::path plan = WindowsFolder{run_.root}.plan_file();
-    check_finished(plan_run({false, fs::exists(plan), stages_.ledger().is_finished(kTrain.entry),
-                             stages_.ledger().inputs(kTrain.entry)},
-                            inputs, request_.overwrite));
     if (request_.view)
       warn(kTrain.message(fmt::format(": --view is of one training; of a window: tessera view {}",
                                       WindowsFolder{run_.root}.window_run(0).string())));
@@ -212,23 +195,15 @@ class Runner {
     json inputs = asked_of_training(request_.training, planned_);
     inputs[kSceneFiles] = scene_key_;
     if (windows_ > 1) return train_windows_of_scene(std::move(inputs));
-    const RunPlan plan = plan_run(
-        {fs::exists(run_.checkpoint()), fs::exists(run_.model()),
-         stages_.ledger().is_finished(kTrain.entry), stages_.ledger().inputs(kTrain.entry)},
-        inputs, request_.overwrite);
-    check_finished(plan);
-    if (plan.action == RunAction::kDone && fs::exists(run_.model()) &&
+    const RunRecord record = record_of(run_, scene_);
+    const RunPlan plan = plan_run(record, inputs, false);
+    if (plan.action == RunAction::kRefuse) throw refused_run(request_.out, record, plan);
+    if (stages_.ledger().is_finished(kTrain.entry) && fs::exists(run_.model()) &&
         !stages_.is_as_written(kTrain, run_.model()))
       throw InputError(fmt::format(
           "{}: is not the model that this run has trained: it was trained on, or is damaged; "
           "remove it to train again, or take another output folder",
           run_.model().string()));
-    const json made_for = json::parse(run_.made_for(), nullptr, false);
-    const bool resumes = plan.action == RunAction::kResume && made_for.is_object() &&
-                         changes(made_for, inputs).empty();
-    if (!resumes && plan.action != RunAction::kDone && fs::exists(run_.checkpoint()))
-      set_checkpoint_aside(plan.changed);
-    if (plan.action != RunAction::kDone) set_windows_aside();
     return stages_.done(kTrain, inputs, run_.model(), [&]() -> std::optional<json> {
       TrainingTerminal terminal;
       LiveTraining live(terminal, run_.root, [&] {
@@ -239,31 +214,13 @@ class Runner {
       asked.scene = scene_;
       asked.run = run_.root;
       take_arguments(request_.training, planned_, scene_key_, asked);
-      asked.resume = resumes;
-      asked.overwrite = true;
+      asked.resume = plan.action != RunAction::kStart;
       asked.snapshots = &live;
       json result = train_or_restart(std::move(asked), live);
       if (interrupted() || live.stopped()) return {};
       result.erase("scores");  // the evaluate stage has them
       return result;
     });
-  }
-
-  /// An unfinished training of another request is hours of work, too.
-  void set_checkpoint_aside(const std::vector<std::string>& changed) {
-    const fs::path checkpoint = run_.checkpoint(), aside = run_.set_checkpoint_aside();
-    warn(text_of_aside(checkpoint, changed, aside));
-  }
-
-  /// Windows of an unfinished run are no part of this one.
-  void set_windows_aside() const {
-    const fs::path plan = WindowsFolder{run_.root}.plan_file();
-    if (!fs::exists(plan)) return;
-    fs::remove(plan);
-    warn(fmt::format(
-        "{}: is of an unfinished run in windows, and gone; those that were trained stay "
-        "and are taken up where the same windows are asked for again",
-        plan.string()));
   }
 
   bool evaluate_model() {
@@ -293,7 +250,7 @@ class Runner {
 
   /// Inputs of a stage that is made of the model.
   json of_training(json inputs) const {
-    inputs["files of the model"] = stages_.ledger().finished_at(kTrain.entry);
+    inputs["contents of the model"] = stages_.ledger().finished_at(kTrain.entry);
     return inputs;
   }
 
@@ -348,11 +305,11 @@ class Runner {
 
   const RunRequest& request_;
   std::unique_ptr<ViewChild>& view_;
-  json asked_;
+  const json asked_;
   PlannedOptions planned_;
   IngestOptions ingest_options_;
-  fs::path root_;
-  RunFolder run_;
+  const fs::path earlier_, root_;
+  const RunFolder run_;
   RunStages stages_;
   fs::path scene_;
   std::string scene_key_;
@@ -364,12 +321,17 @@ class Runner {
 
 std::optional<json> run_stages(const RunRequest& request, std::unique_ptr<ViewChild>& view) {
   TrainingTerminal messages;
-  const RunLock lock(request.out, messages);
+  RunLock lock(request.out, messages);
   const json asked = asked_of(request);
-  finish_move(request.out);
-  const StageLedger ledger(request.out / "stages.json");
   const RunFolder run{request.out / "run"};
-  run.require_no_foreign_file();
+  const StageLedger ledger(request.out / "stages.json");
+  RunRecord record = record_of(run, request.capture);
+  record.finished = ledger.is_finished(kTrain.entry) && record.has_model;
+  record.request = ledger.inputs(kAsked);
+  const RunPlan plan = plan_run(record, asked, request.overwrite);
+  if (plan.action == RunAction::kRefuse) throw refused_run(request.out, record, plan);
+  if (plan.action == RunAction::kStart) run.require_room();
+  const fs::path earlier = plan.action == RunAction::kReplace ? lock.make_room() : fs::path();
   for (const fs::path& folder : {request.out / "player", request.out / "frames"})
     if (has_foreign_contents(folder, "export"))
       throw InputError(fmt::format(
@@ -377,25 +339,10 @@ std::optional<json> run_stages(const RunRequest& request, std::unique_ptr<ViewCh
           "output folder, or move them away",
           folder.string()));
   for (const fs::path& folder : {request.out, run.root}) remove_partial_files(folder);
-  const bool has_model = fs::exists(run.model()) || WindowsFolder{run.root}.exists();
-  const bool is_finished = ledger.is_finished(kTrain.entry) && has_model;
-  const RunPlan plan =
-      plan_run({fs::exists(run.checkpoint()), has_model, is_finished, ledger.inputs(kAsked)}, asked,
-               request.overwrite);
-  if (plan.action == RunAction::kRefuse) throw finished_run_error(request.out, plan.changed);
-  const fs::path next = request.out / kNext;
-  const auto run_in = [&](const fs::path& root) -> std::optional<json> {
-    Runner runner(request, asked, root, view);
+  try {
+    Runner runner(request, asked, earlier, view);
     if (!runner.run()) return {};
     return runner.result();
-  };
-  try {
-    if (plan.action == RunAction::kReplace) return run_in(next);
-    try {
-      return run_in(request.out);
-    } catch (const Replaces&) {
-      return run_in(next);
-    }
   } catch (const Interrupted&) {
     return {};
   }

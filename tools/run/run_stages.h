@@ -1,8 +1,8 @@
 // The six stages of `tessera run`: ingest, train, evaluate, export, page, report. A stage runs
 // once, and again only when its inputs or options change. OUT holds scene/ (unless the capture is a
-// prepared scene already), run/, frames/ on request, player/, report/ and stages.json. A finished
-// run of another request is replaced with --overwrite only: the new one is made in OUT/next, and
-// takes its place when it is complete.
+// prepared scene already), run/, frames/ on request, player/, report/ and stages.json. A run of
+// another request is refused; with --overwrite OUT becomes OUT.1, from which the scene is taken
+// where it is made of the same.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -23,7 +23,7 @@ struct RunRequest {
   std::string title, description;  // of the player's page
   std::string windows = "auto";    // --windows, as parse_windows
   int64_t gpus = 1;                // cards that train windows at once
-  bool overwrite = false;          // a finished run of another request may be replaced
+  bool overwrite = false;          // a run of another request becomes OUT.1
   bool json_output = false;
   bool view = false;  // in a browser, from the first step on
 };
@@ -32,8 +32,8 @@ struct RunRequest {
 /// level, the others under `training`, `export` and `player`; the seconds of the stages that ran
 /// under `stage_seconds`. Nothing when it was interrupted, or its training was stopped by a page
 /// that shows it; what is done is kept. `view`: filled where the request has one, something was
-/// trained and there was none. Errors: InputError, among them that OUT holds a finished run of
-/// another request.
+/// trained and there was none. Errors: InputError, among them that OUT holds a run of another
+/// request.
 std::optional<nlohmann::json> run_stages(const RunRequest& request,
                                          std::unique_ptr<ViewChild>& view);
 

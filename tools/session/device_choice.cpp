@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -168,8 +170,35 @@ ChosenBackend choose_backend(const std::string& backend) {
   return {make_cpu_backend(), choice};
 }
 
+std::optional<int64_t> memory_limit(const std::string& own, const std::filesystem::path& root) {
+  std::optional<int64_t> least;
+  const auto look = [&](const std::filesystem::path& folder, const std::string& group,
+                        const char* file) {
+    for (std::filesystem::path place = group;; place = place.parent_path()) {
+      int64_t limit = 0;  // "max" is none
+      if (std::ifstream(folder / place.relative_path() / file) >> limit && limit > 0)
+        least = std::min(least.value_or(limit), limit);
+      if (place == place.parent_path()) break;
+    }
+  };
+  std::istringstream lines(own);
+  for (std::string line; std::getline(lines, line);) {  // number:controllers:path
+    const size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    if (controllers.empty())
+      look(root, line.substr(second + 1), "memory.max");
+    else if (("," + controllers + ",").find(",memory,") != std::string::npos)
+      look(root / "memory", line.substr(second + 1), "memory.limit_in_bytes");
+  }
+  return least;
+}
+
 int64_t machine_memory() {
-  return int64_t(::sysconf(_SC_PHYS_PAGES)) * int64_t(::sysconf(_SC_PAGESIZE));
+  const int64_t machine = int64_t(::sysconf(_SC_PHYS_PAGES)) * int64_t(::sysconf(_SC_PAGESIZE));
+  std::ostringstream own;
+  own << std::ifstream("/proc/self/cgroup").rdbuf();
+  return std::min(machine, memory_limit(own.str(), "/sys/fs/cgroup").value_or(machine));
 }
 
 std::string cpu_name() {

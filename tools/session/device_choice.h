@@ -2,6 +2,7 @@
 // and makes it. Also facts of the machine and of this process from the operating system.
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,8 +53,12 @@ DeviceChoice find_backend(const std::string& backend);
 /// "auto": the CUDA device where one can be used; else the CPU. Errors: as find_backend.
 ChosenBackend choose_backend(const std::string& backend);
 
-/// Bytes of memory that programs can have in all.
+/// Bytes of memory that programs can have in all: those of the machine, or fewer where a container
+/// or a queue allows this one fewer.
 int64_t machine_memory();
+/// The least memory that a cgroup and those around it allow; nothing where none has a limit. `own`:
+/// as /proc/self/cgroup, of version 1 or 2; `root`: /sys/fs/cgroup.
+std::optional<int64_t> memory_limit(const std::string& own, const std::filesystem::path& root);
 
 /// The name of the processor, as /proc/cpuinfo has it; "unknown" where it has none.
 std::string cpu_name();

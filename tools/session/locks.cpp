@@ -97,10 +97,14 @@ int lock_for_itself(int descriptor) {
 }  // namespace
 
 RunLock::RunLock(const std::filesystem::path& folder, SessionObserver& observer)
-    : observer_(observer),
-      file_(folder / kLockFile),
-      made_folder_(!std::filesystem::exists(folder)) {
-  make_folder(folder);
+    : observer_(observer), file_(fs::absolute(folder / kLockFile).lexically_normal()) {
+  lock();
+}
+
+/// Of the folder, which is made where there is none.
+void RunLock::lock() {
+  made_folder_ = !fs::exists(file_.parent_path());
+  make_folder(file_.parent_path());
   while (!take()) {
   }
   const std::string text = fmt::format("process {} on {}", ::getpid(), host_name());
@@ -136,14 +140,30 @@ bool RunLock::take() {
 bool is_run_locked(const std::filesystem::path& folder) {
   const int descriptor = ::open((folder / kLockFile).c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return false;
-  const bool is_locked = ::flock(descriptor, LOCK_SH | LOCK_NB) != 0;
+  const bool is_locked = ::flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   ::close(descriptor);
   return is_locked;
 }
 
+fs::path RunLock::make_room() {
+  const fs::path folder = file_.parent_path();
+  fs::path aside;
+  for (int i = 1; aside.empty() || fs::exists(fs::symlink_status(aside)); ++i)
+    aside = fmt::format("{}.{}", folder.string(), i);
+  std::error_code reason;
+  fs::rename(folder, aside, reason);
+  if (reason) fail_to_write(aside, reason.value());
+  fs::remove(aside / kLockFile, reason);
+  ::close(std::exchange(descriptor_, -1));
+  lock();
+  observer_.on_message(fmt::format("{}: what was there is {} now; remove it when it is not needed",
+                                   folder.string(), aside.string()));
+  return aside;
+}
+
 RunLock::~RunLock() {
   std::error_code ignored;
-  std::filesystem::remove(file_, ignored);
+  if (is_file_of_name(descriptor_, file_)) std::filesystem::remove(file_, ignored);
   if (made_folder_) std::filesystem::remove(file_.parent_path(), ignored);  // only if it is empty
   ::close(descriptor_);
 }

@@ -20,7 +20,13 @@ class RunLock {
   RunLock& operator=(const RunLock&) = delete;
   ~RunLock();
 
+  /// Makes room for another result: the folder, with all that is in it, becomes FOLDER.1, or has
+  /// the next number that is free. The lock is then that of a new, empty folder in its place.
+  /// Returns the new name. Errors: InputError or WriteError: it cannot be renamed.
+  std::filesystem::path make_room();
+
  private:
+  void lock();
   bool take();
 
   SessionObserver& observer_;
@@ -29,8 +35,8 @@ class RunLock {
   int descriptor_ = -1;
 };
 
-/// Whether a program has the lock of this folder, so that a training writes it now; where the file
-/// system has no locks, whether the lock's file is there.
+/// Whether a program has the lock of this folder, so that a training writes it now. Where the file
+/// system has no locks nobody has, as RunLock goes on without.
 bool is_run_locked(const std::filesystem::path& folder);
 
 /// The kernel gives the lock back when the program ends in whatever way.

@@ -60,25 +60,22 @@ std::string RunFolder::made_for() const {
   }
 }
 
-void RunFolder::require_no_foreign_file() const {
-  const bool of_windows = std::filesystem::exists(root / "windows");  // windows_folder.h
-  if (exists() || of_windows) return;
+void RunFolder::require_room() const {
+  if (std::filesystem::exists(root / "windows")) return;  // windows_folder.h
+  if (exists()) {
+    if (std::filesystem::exists(checkpoint()) || std::filesystem::exists(model()) ||
+        !read_config().contains("options"))
+      throw InputError(fmt::format(
+          "{}: holds a run already; pass --resume to go on with it, or take another folder with -o",
+          root.string()));
+    return;
+  }
   for (const std::filesystem::path& file : {model(), metrics(), exposure(), log()})
     if (std::filesystem::exists(file))
       throw InputError(fmt::format(
           "{}: no training has written this file, and it would be lost; move it away, or take "
           "another folder with -o",
           file.string()));
-}
-
-std::filesystem::path RunFolder::set_checkpoint_aside() const {
-  std::filesystem::path aside = root / "checkpoint.refused";
-  for (int i = 2; std::filesystem::exists(aside); ++i)
-    aside = root / fmt::format("checkpoint.refused.{}", i);
-  std::error_code reason;
-  std::filesystem::rename(checkpoint(), aside, reason);
-  if (reason) fail_to_write(aside, reason.value());
-  return aside;
 }
 
 void RunFolder::remove_files() const {

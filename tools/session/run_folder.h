@@ -26,8 +26,9 @@ struct RunFolder {
 
   /// Whether a training has written here.
   bool exists() const { return std::filesystem::exists(config()); }
-  /// Errors: InputError naming a file that a training would replace and none has written.
-  void require_no_foreign_file() const;
+  /// For a new training; one that ended before its first checkpoint has left nothing to lose.
+  /// Errors: InputError: a run is here, or a file that no training has written, by its name.
+  void require_room() const;
   /// Errors: InputError when it is missing or damaged.
   nlohmann::json read_config() const;
   /// The scene that was trained on; "" where no training has written here.
@@ -41,9 +42,6 @@ struct RunFolder {
   std::string made_for() const;
   /// Removes the files above, config.json first, and nothing else.
   void remove_files() const;
-  /// Renames a checkpoint that was refused to checkpoint.refused (.2, .3, … where there is one);
-  /// returns the name. Errors: InputError or WriteError.
-  std::filesystem::path set_checkpoint_aside() const;
   /// Removes best models of other steps.
   void remove_best_but(int64_t iteration) const;
 };

@@ -334,9 +334,8 @@ json train_or_restart(TrainRequest request, SessionObserver& observer) {
   try {
     return train_session(request, observer);
   } catch (const CheckpointRefused& error) {
-    const std::filesystem::path aside = RunFolder{request.run}.set_checkpoint_aside();
-    observer.on_warning(fmt::format("{}; it is {} now, and the training starts anew", error.what(),
-                                    aside.string()));
+    observer.on_warning(fmt::format("{}; the training starts anew", error.what()));
+    RunLock(request.run, observer).make_room();
     request.resume = false;
     return train_session(request, observer);
   }

@@ -25,7 +25,6 @@ struct TrainRequest {
   std::filesystem::path static_model;      // of static_model.h; empty: static Gaussians are trained
   std::string preset, ablation, backend = "auto";
   bool resume = false;
-  bool overwrite = false;                   // an existing run folder may be replaced
   int64_t evaluate_every = 0;               // of EvaluationPlan
   std::string made_for;                     // what the caller knows the training by; in config.json
   std::optional<int64_t> checkpoint_every;  // steps; without a value by the clock
@@ -46,8 +45,8 @@ struct TrainRequest {
 /// a time limit that leaves room for no step), CheckpointRefused (with `resume` alone), WriteError,
 /// NumericalError.
 nlohmann::json train_session(const TrainRequest& request, SessionObserver& observer);
-/// The same. Where the checkpoint of a resumed training is refused, it is renamed with a warning,
-/// and the training starts anew.
+/// The same. Where the checkpoint of a resumed training is refused, the folder is kept as RUN.1
+/// with a warning, and the training starts anew.
 nlohmann::json train_or_restart(TrainRequest request, SessionObserver& observer);
 
 }  // namespace tessera

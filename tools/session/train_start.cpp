@@ -73,38 +73,18 @@ std::string scene_fingerprint(const Scene& scene) {
 
 std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run) {
   const std::string root = run.root.string();
-  if (!run.exists()) {
-    if (request.resume)
-      throw InputError(fmt::format("{}: nothing to resume: it has no config.json", root));
-    run.require_no_foreign_file();
+  if (!request.resume) {
+    run.require_room();
     return std::nullopt;
   }
-  const bool has_checkpoint = std::filesystem::exists(run.checkpoint());
-  const bool has_model = std::filesystem::exists(run.model());
-  if (request.resume) {
-    if (has_checkpoint) return load_checkpoint(run.checkpoint());
-    if (has_model)
-      throw InputError(fmt::format(
-          "{}: has a model and no checkpoint.ckpt to go on from; pass --overwrite to train it anew",
-          root));
-    throw InputError(
-        fmt::format("{}: no checkpoint yet; give the first command again, without --resume", root));
-  }
-  // a training that ended before its first checkpoint has left nothing to lose
-  const auto only_begun = [&] {
-    return !has_checkpoint && !has_model && run.read_config().contains("options");
-  };
-  if (!request.overwrite && !only_begun())
+  if (!run.exists())
+    throw InputError(fmt::format("{}: nothing to resume: it has no config.json", root));
+  if (std::filesystem::exists(run.checkpoint())) return load_checkpoint(run.checkpoint());
+  if (std::filesystem::exists(run.model()))
     throw InputError(fmt::format(
-        "{}: holds a run already; pass --resume to go on with it or --overwrite to replace it",
-        root));
-  return std::nullopt;
-}
-
-bool can_resume(const TrainRequest& request, const RunFolder& run) {
-  if (!run.exists() || !std::filesystem::exists(run.checkpoint())) return false;
-  const json config = json::parse(read_text_file(run.config()), nullptr, false);
-  return config.is_object() && config.value("asked_options", json()) == to_json(request.options);
+        "{}: has a model and no checkpoint.ckpt to go on from; train anew into another -o", root));
+  throw InputError(
+      fmt::format("{}: no checkpoint yet; give the first command again, without --resume", root));
 }
 
 json make_config(const TrainRequest& request, const PlannedOptions& planned, const Scene& scene,
@@ -141,7 +121,8 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
   scene_options.allow_static = options.motion == Motion::kNone;
   const SceneFiles files(path, scene_options.allow_static, window);
   scene_options.load_pixels = false;
-  check_fits_memory(files.load(scene_options), machine_memory());
+  check_fits_memory(files.load(scene_options), {held_out, options.moving_weight > 0},
+                    machine_memory());
   scene_options.load_pixels = true;
   if (!held_out) scene_options.pixels_of = {Split::kTrain};
   return scaled_scene(files.load(scene_options), options.train_scale);

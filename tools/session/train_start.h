@@ -50,12 +50,9 @@ bool resolve_motion(Backend& backend, const Scene& scene,
                     const std::function<bool()>& stop,
                     const std::function<void(const std::string&)>& say);
 
-/// The checkpoint to go on from; clears the folder where a new training may replace what is there.
-/// Errors: InputError: nothing to resume; a run is there that may not be replaced.
+/// The checkpoint to go on from; nothing for a new training. Errors: InputError: nothing to resume;
+/// a new training where a run is.
 std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run);
-
-/// Whether `run` holds a checkpoint of the begun training of `request`: of these options.
-bool can_resume(const TrainRequest& request, const RunFolder& run);
 
 /// Tells scenes apart on resume, as they are loaded: names, times, sizes, cameras and masks of the
 /// frames, the images that are trained on, and the points. A cloud that the training makes is none

@@ -82,11 +82,9 @@ WindowsPlan WindowsFolder::read() const {
     if (file.at("version").get<int>() > kVersion)
       throw InputError(fmt::format("{}: is of version {}, this program knows {}; use the newer one",
                                    plan_file().string(), file["version"].dump(), kVersion));
-    WindowsPlan plan{file.at("scene").get<std::string>(),
-                     file.at("overlap").get<int64_t>(),
-                     {},
-                     {},
-                     file.at("scene_files").get<std::string>()};
+    WindowsPlan plan{
+        file.at("scene").get<std::string>(),       file.at("overlap").get<int64_t>(), {}, {},
+        file.at("scene_files").get<std::string>(), file.value("request", json())};
     plan.clip = {file.at("time").at("origin").get<double>(),
                  file.at("time").at("duration").get<double>()};
     for (const json& window : file.at("windows"))
@@ -108,6 +106,7 @@ void WindowsFolder::write(const WindowsPlan& plan) const {
                {"version", kVersion},
                {"scene", plan.scene},
                {"scene_files", plan.scene_files},
+               {"request", plan.request},
                {"overlap", plan.overlap},
                {"time", {{"origin", plan.clip.origin}, {"duration", plan.clip.duration}}},
                {"static", "static"},
@@ -118,17 +117,6 @@ void WindowsFolder::write(const WindowsPlan& plan) const {
     file["windows"].push_back(std::move(window));
   }
   write_text_file(plan_file(), file.dump(1) + "\n");
-}
-
-void WindowsFolder::remove() const {
-  if (!exists()) return;
-  std::error_code ignored;
-  for (const auto& run : fs::directory_iterator(root / "windows", ignored))
-    if (is_run_locked(run.path()))
-      throw InputError(
-          fmt::format("{}: another program trains it; stop that first", run.path().string()));
-  for (const fs::path& file : {plan_file(), RunFolder{root}.metrics()}) fs::remove(file, ignored);
-  for (const fs::path& folder : folders()) fs::remove_all(folder, ignored);
 }
 
 bool WindowsFolder::is_finished(const fs::path& run) {

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,8 @@ struct WindowsPlan {
   int64_t overlap = Window().overlap;
   TimeAxis clip;
   std::vector<FileWindow> windows;
-  std::string scene_files;  // a hash of the scene's files: another one makes another plan
+  std::string scene_files;  // a hash of the scene's files
+  nlohmann::json request;   // that they are made for; null by a version that did not record it
 
   Window window(int64_t index) const { return {index, int64_t(windows.size()), overlap}; }
 };
@@ -35,19 +37,11 @@ struct WindowsFolder {
   std::filesystem::path static_scene() const { return root / "static_scene"; }
   std::filesystem::path static_run() const { return root / "static"; }
   std::filesystem::path window_run(int64_t index) const;
-  /// All folders in it that windows consist of.
-  std::vector<std::filesystem::path> folders() const {
-    return {static_scene(), static_run(), root / "windows"};
-  }
-
   /// Whether a clip has been cut here.
   bool exists() const { return std::filesystem::exists(plan_file()); }
   /// Errors: InputError: missing, damaged, of a newer version.
   WindowsPlan read() const;
   void write(const WindowsPlan& plan) const;
-  /// Removes what the windows consist of, where a clip has been cut here. Errors: InputError:
-  /// another program trains a window.
-  void remove() const;
   /// Whether the training in that run folder is complete: it leaves its checkpoint behind then.
   static bool is_finished(const std::filesystem::path& run);
   /// Windows whose training is not complete, from 1 as people count.

@@ -53,10 +53,12 @@ void JoinedReport::add(EvaluationReport part, double origin, double length) {
     }
   }
   for (const FlickerScore& score : part.flicker) {
-    const auto [known, is_new] = flicker_.try_emplace(score.camera, score);
+    const auto here = double(score.timesteps - 1);
+    const auto [known, is_new] = flicker_.try_emplace(score.camera, Flicker{score, here});
     if (is_new) continue;
-    FlickerScore& joined = known->second;
-    const auto before = double(joined.timesteps - 1), here = double(score.timesteps - 1);
+    FlickerScore& joined = known->second.score;
+    const double before = known->second.pairs;
+    known->second.pairs += here;
     const auto mean = [&](double a, double b) { return (a * before + b * here) / (before + here); };
     joined.change_error = mean(joined.change_error, score.change_error);
     joined.still_share = mean(joined.still_share, score.still_share);
@@ -72,7 +74,7 @@ EvaluationReport JoinedReport::finish() {
     object.psnr = psnr_over(object.timesteps);
     all_.objects.push_back(std::move(object));
   }
-  for (const auto& [camera, score] : flicker_) all_.flicker.push_back(score);
+  for (const auto& [camera, flicker] : flicker_) all_.flicker.push_back(flicker.score);
   add_means(all_);
   return std::move(all_);
 }

@@ -21,7 +21,11 @@ class JoinedReport {
  private:
   EvaluationReport all_;
   std::map<std::string, ObjectScore> objects_;
-  std::map<std::string, FlickerScore> flicker_;
+  struct Flicker {
+    FlickerScore score;
+    double pairs = 0;  // of timesteps of one window
+  };
+  std::map<std::string, Flicker> flicker_;
 };
 
 /// {inside, inside_moving, border, border_moving}; null where there is no such pixel.

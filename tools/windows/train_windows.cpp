@@ -18,7 +18,6 @@
 #include "tools/cli/run_record.h"
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/export/run_successor.h"
 #include "tools/live/earlier_training.h"
 #include "tools/live/stopped_training.h"
 #include "tools/session/locks.h"
@@ -34,25 +33,15 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr std::chrono::seconds kBetweenLooks{1};
-constexpr const char* kTwoWays = "take another -o, or replace it by --overwrite";
 
 class WindowsTraining {
  public:
   explicit WindowsTraining(const WindowsRequest& request)
-      : request_(request),
-        folder_{request.root},
-        continues_(WindowsFolder::is_finished(folder_.static_run())) {}
-
-  /// --overwrite: whether finished trainings of another clip, cut or request would be lost.
-  bool replaces_results() {
-    if (fs::exists(RunFolder{folder_.root}.model())) return true;
-    if (!folder_.exists() || is_of_this_request()) return false;
-    for (int64_t i = 0; i < int64_t(plan_.windows.size()); ++i)
-      if (WindowsFolder::is_finished(folder_.window_run(i))) return true;
-    return false;
-  }
+      : request_(request), folder_{request.root} {}
 
   json run() {
+    request_json_ = asked_of_windows();
+    make_room();
     if (!prepare()) return result(true);
     follow_scene();
     const WindowWorkers workers(worker_words(), request_.gpus - 1, folder_.root);
@@ -69,21 +58,36 @@ class WindowsTraining {
   }
 
  private:
+  json asked_of_windows() {
+    json asked =
+        asked_of_training(request_.arguments, resolve_options(request_.arguments, request_.scene));
+    asked[kSceneFiles] = files_of_scene();
+    asked[kWindows] = request_.count;
+    return asked;
+  }
+
+  /// What is there of another request is refused, or kept as ROOT.1 where that is asked for.
+  void make_room() {
+    const RunRecord record = record_of(RunFolder{folder_.root}, request_.scene);
+    const RunPlan plan = plan_run(record, request_json_, request_.overwrite);
+    if (plan.action == RunAction::kRefuse) throw refused_run(folder_.root, record, plan);
+    if (plan.action == RunAction::kReplace) RunLock(folder_.root, terminal_).make_room();
+    continues_ = WindowsFolder::is_finished(folder_.static_run());
+  }
+
   /// The plan, what stands still and its training. False: it was stopped.
   bool prepare() {
     bool is_told = false;
     while (true) {
-      const bool may_differ = request_.overwrite && !is_run_locked(folder_.root);
-      if (folder_.exists() && !may_differ) {
-        check_plan();
+      if (folder_.exists()) {
+        plan_ = folder_.read();
         if (WindowsFolder::is_finished(folder_.static_run())) break;
       }
       if (!is_run_locked(folder_.root)) {
         try {
           const RunLock lock(folder_.root, terminal_);
-          if (request_.overwrite) remove_others();
-          if (folder_.exists())
-            check_plan();  // another program may have made it since
+          if (folder_.exists())  // another program may have made it since
+            plan_ = folder_.read();
           else
             make_plan();
           return make_static();
@@ -96,41 +100,6 @@ class WindowsTraining {
       if (!waited()) return false;
     }
     return make_static();  // done before, of the same request
-  }
-
-  /// --overwrite: windows of another clip, cut or request go.
-  void remove_others() {
-    if (folder_.exists() && !is_of_this_request()) {
-      folder_.remove();
-      plan_ = {};
-    }
-  }
-
-  bool is_of_this_request() {
-    if (!has_plan_of_request()) return false;
-    const fs::path scene = folder_.static_scene();
-    if (!is_prepared_scene(scene)) return true;  // nothing is trained yet
-    const TrainRequest training =
-        request_of(scene, folder_.static_run(), {}, key_of(file_stamps(scene)));
-    return plan_of(training).action != RunAction::kRefuse;
-  }
-
-  /// A training of the whole clip in this folder: a finished one is refused without --overwrite.
-  void give_way() const {
-    const RunFolder whole{folder_.root};
-    if (!whole.exists()) return;
-    if (fs::exists(whole.model()) && !request_.overwrite)
-      throw InputError(fmt::format("{}: holds a training of the whole clip; {}",
-                                   folder_.root.string(), kTwoWays));
-    if (!fs::exists(whole.model()) && fs::exists(whole.checkpoint()))
-      say(fmt::format("the checkpoint of the whole clip is now {}",
-                      whole.set_checkpoint_aside().string()));
-    whole.remove_files();
-  }
-
-  static RunPlan plan_of(const TrainRequest& training) {
-    return plan_run(record_of(RunFolder{training.run}, training.scene),
-                    json::parse(training.made_for), false);
   }
 
   /// The command of a program that trains windows of this folder, too.
@@ -150,21 +119,6 @@ class WindowsTraining {
     return !terminal_.must_stop();
   }
 
-  /// Reads the plan. False: it is of another clip or cut.
-  bool has_plan_of_request() {
-    plan_ = folder_.read();
-    return int64_t(plan_.windows.size()) == request_.count && plan_.scene_files == files_of_scene();
-  }
-
-  void check_plan() {
-    if (has_plan_of_request()) return;
-    const auto count = int64_t(plan_.windows.size());
-    throw InputError(fmt::format(
-        "{}: holds {} windows of {}{}; {}", folder_.root.string(), count,
-        count == request_.count ? request_.scene.string() : plan_.scene,
-        count == request_.count ? " as it was, whose files have changed" : "", kTwoWays));
-  }
-
   /// The plan names the scene where it was found last: it may have been moved.
   void follow_scene() {
     const std::string scene = fs::absolute(request_.scene).string();
@@ -175,13 +129,16 @@ class WindowsTraining {
   }
 
   void make_plan() {
-    give_way();
+    const RunFolder whole{folder_.root};
+    whole.require_room();
+    whole.remove_files();  // of a training that was only begun
     if (!request_.reason.empty()) say(request_.reason);
     const Scene scene = scene_without_pixels(request_.scene, false);
     plan_.scene = fs::absolute(request_.scene).string();
     plan_.clip = scene.time_axis;
     plan_.windows = cut_clip(scene, request_.count, plan_.overlap);
     plan_.scene_files = files_of_scene();
+    plan_.request = request_json_;
     folder_.write(plan_);
   }
 
@@ -219,17 +176,15 @@ class WindowsTraining {
                    training);
     training.time_limit = request_.time_limit;
     training.stopwatch = request_.stopwatch;
-    training.overwrite = true;  // of a run that has not ended
     return training;
   }
 
   /// Starts, resumes or leaves the training as it is. False when it was stopped.
   bool trained(const std::string& name, TrainRequest& training) {
     const RunFolder run{training.run};
-    const RunPlan plan = plan_of(training);
-    if (plan.action == RunAction::kRefuse)
-      throw InputError(fmt::format("{}: is trained with another request: {}; {}", run.root.string(),
-                                   text_of_changes(plan.changed), kTwoWays));
+    const RunRecord record = record_of(run, training.scene);
+    const RunPlan plan = plan_run(record, json::parse(training.made_for), false);
+    if (plan.action == RunAction::kRefuse) throw refused_run(run.root, record, plan);
     if (plan.action != RunAction::kDone) {
       training.resume = plan.action == RunAction::kResume;
       say(fmt::format("{}: {}", name, training.resume ? "is resumed" : "training"));
@@ -248,7 +203,6 @@ class WindowsTraining {
     while (true) {
       bool is_with_others = false;
       for (int64_t i = 0; i < int64_t(plan_.windows.size()); ++i) {
-        if (!folder_.exists()) return true;  // another program was done, and has moved it
         if (failed_.contains(i)) continue;
         const fs::path run = folder_.window_run(i);
         if (is_run_locked(run)) {
@@ -295,45 +249,19 @@ class WindowsTraining {
 
   const WindowsRequest& request_;
   const WindowsFolder folder_;
-  const bool continues_;  // what an earlier program has trained
+  bool continues_ = false;  // what an earlier program has trained
   TrainingTerminal terminal_;
   WindowsPlan plan_;
   std::string scene_files_;
+  json request_json_;
   std::set<int64_t> checked_;              // finished windows of this request
   std::map<int64_t, std::string> failed_;  // why
 };
 
-/// The complete windows in OUT/next move to OUT, by this program or another.
-void take_place(const fs::path& root) {
-  TrainingTerminal terminal;
-  while (is_run_locked(root)) std::this_thread::sleep_for(kBetweenLooks);
-  const RunLock lock(root, terminal);
-  if (WindowsFolder{root / kNext}.exists()) move_training(root / kNext, root);
-}
-
-/// Completes a move that was cut off.
-void complete_move(const fs::path& root) {
-  if (!fs::exists(root / kNext) || is_run_locked(root)) return;
-  TrainingTerminal terminal;
-  const RunLock lock(root, terminal);
-  finish_training_move(root);
-}
-
 }  // namespace
 
 json train_windows(const WindowsRequest& request) {
-  const fs::path next = request.root / kNext;
-  complete_move(request.root);
-  WindowsTraining in_place(request);
-  if (!request.overwrite || !in_place.replaces_results()) return in_place.run();
-  WindowsRequest beside = request;
-  beside.root = next;
-  json made = WindowsTraining(beside).run();
-  if (WindowsFolder{next}.exists() && !made["finished"].get<bool>()) return made;
-  take_place(request.root);
-  json result = windows_result(WindowsFolder{request.root});
-  for (const char* kept : {"left", "continued"}) result[kept] = made[kept];
-  return result;
+  return WindowsTraining(request).run();
 }
 
 }  // namespace tessera

@@ -17,16 +17,15 @@ struct WindowsRequest {
   int64_t count = 2;
   std::string reason;      // why so many: said when the clip is cut
   int64_t gpus = 1;        // cards that train windows at once
-  bool overwrite = false;  // what the folder holds of another clip, cut or request is replaced
+  bool overwrite = false;  // what the folder holds of another request is kept as ROOT.1
   double time_limit = 0;   // seconds by the stopwatch; 0: none
   Stopwatch stopwatch = running_stopwatch();
 };
 
 /// Returns when all windows are trained, by this program or another, or when it is stopped. What
 /// windows_result has, with `left` (it was stopped) and `continued` (whether an earlier program had
-/// begun). With `overwrite`, finished trainings of another clip, cut or request stay until the new
-/// ones, in ROOT/next, are complete. Errors: InputError: the folder holds another clip, cut or
-/// request; a window that cannot be trained, after all others have been.
+/// begun). Errors: InputError: the folder holds what was made for another request; a window that
+/// cannot be trained, after all others have been.
 nlohmann::json train_windows(const WindowsRequest& request);
 
 }  // namespace tessera

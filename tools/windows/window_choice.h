@@ -26,18 +26,19 @@ struct WindowChoice {
   std::string reason;  // in words; "" where nothing is to be said
 };
 
-/// `scene` lists the frames, without pixels. `memory`: bytes that programs can have in all. `auto`
-/// cuts a rig of fixed cameras where the clip is longer than 20 s, or where its images would take
-/// more than half of the memory: into windows of about 5 s, shorter ones where these would not fit.
-/// Errors: InputError: a length for a capture that cannot be cut, or that makes windows of less
-/// than a few timesteps.
+/// `scene` lists the frames, without pixels. `memory`: bytes that a program can have. `auto`
+/// cuts a rig of fixed cameras where the clip is longer than 20 s, or where its images and masks
+/// would take more than half of the memory: into windows of about 5 s, shorter ones where these
+/// would not fit. Errors: InputError: a length for a capture that cannot be cut, or that makes
+/// windows of less than a few timesteps.
 WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t memory);
 
 /// The same of --windows and the scene in that folder, for this machine; `none` reads nothing. A
-/// clip in which nothing moves (`motion`) is trained as a whole. Errors: InputError: a length where
-/// nothing moves, too.
+/// clip in which nothing moves (`motion`) is trained as a whole. Where `run` holds a training
+/// already, `auto` is its cut: another machine has other memory, which `programs` share. Errors:
+/// InputError: a length where nothing moves, too.
 WindowChoice choose_windows(const std::string& windows, const std::filesystem::path& scene,
-                            Motion motion);
+                            Motion motion, const std::filesystem::path& run, int64_t programs);
 
 /// Of all splits together, by the numbers of their frames.
 int64_t timesteps_of(const Scene& scene);

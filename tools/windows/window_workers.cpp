@@ -8,8 +8,10 @@
 #include <memory>
 
 #include "ingest/files/child_process.h"
+#include "kernels/base/errors.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
+#include "tools/session/device_choice.h"
 
 namespace tessera {
 namespace {
@@ -44,6 +46,14 @@ void add_gpus_option(CLI::App& command, int64_t& gpus) {
   command.add_option("--gpus", gpus, "cards that train windows at once")
       ->capture_default_str()
       ->check(CLI::Range(int64_t{1}, int64_t{64}));
+}
+
+void check_gpus(int64_t gpus, const std::string& backend) {
+  const BackendWish wish = parse_backend(backend);
+  if (gpus < 2 || (wish.name != "cpu" && !wish.gpu)) return;
+  throw InputError(fmt::format(
+      "--gpus {} is for the CUDA cards from 0 on, and {}; drop one of the two", gpus,
+      wish.gpu ? fmt::format("--gpu {} names one", *wish.gpu) : std::string("--backend is cpu")));
 }
 
 WindowWorkers::WindowWorkers(const std::vector<std::string>& words, int64_t count,

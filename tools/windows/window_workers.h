@@ -16,6 +16,8 @@ std::vector<std::string> words_of(const TrainArguments& arguments);
 
 /// --gpus.
 void add_gpus_option(CLI::App& command, int64_t& gpus);
+/// Errors: InputError: several cards for a training on the CPU, or on one card that is named.
+void check_gpus(int64_t gpus, const std::string& backend);
 
 class WindowWorkers {
  public:

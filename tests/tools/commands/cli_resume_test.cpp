@@ -250,7 +250,7 @@ TEST_F(CliResume, ARefusedCheckpointHasAnExitCodeOfItsOwn) {
   fs::remove(work / "run/checkpoint.ckpt");
   work.expect_refused(
       {"train", work.at("capture"), "-o", work.at("run"), "--resume", "--stop-after", "1"},
-      {"no checkpoint.ckpt", "--overwrite"});
+      {"no checkpoint.ckpt", "another -o"});
   EXPECT_EQ(work.read("run/model.ply"), model);
 }
 
@@ -281,29 +281,34 @@ TEST_F(CliResume, WithoutACheckpointTheFirstCommandRestarts) {
   const ChildResult again = train("run", {"--seed", "7"});
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(work.read("run/model.ply"), work.read("whole/model.ply"));
-  work.expect_refused(work.train_arguments("run"), {"holds a run already"});
+  work.expect_refused(work.train_arguments("run"), {"holds a finished run", "changed: "});
 
   fs::create_directory(work / "other");
   work.write("other/config.json", "{\"name\": \"of another program\"}");
   work.expect_refused(work.train_arguments("other"), {"holds a run already"});
 }
 
-// Bug put back: the old run removed before the scene is read; seen to fail.
-TEST_F(CliResume, AFailedRestartCostsNothing) {
+// Bugs put back, each seen to fail: the folder renamed before the scene is looked for; renamed
+// by a training that another one is in the way of.
+TEST_F(CliResume, ARestartThatCannotBeginCostsNothing) {
   ASSERT_EQ(train("run").exit_code, 0);
   const std::string model = work.read("run/model.ply"), config = work.read("run/config.json");
   work.expect_refused({"train", work.at("nowhere"), "-o", work.at("run"), "--overwrite"},
                       {"nowhere"});
-  const std::string image = work.read("capture/train/r_000.png");
-  work.write("capture/train/r_000.png", image.substr(0, image.size() / 2));
-  EXPECT_EQ(train("run", {"--overwrite"}).exit_code, 2);
+  {
+    const int held = ::open(work.at("run/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    ASSERT_EQ(::flock(held, LOCK_EX), 0);
+    EXPECT_EQ(train("run", {"--overwrite", "--seed", "7"}).exit_code, 2);
+    ::close(held);
+  }
   EXPECT_EQ(work.read("run/model.ply"), model);
   EXPECT_EQ(work.read("run/config.json"), config);
+  EXPECT_FALSE(fs::exists(work / "run.1"));
 }
 
-// Bugs put back, each seen to fail: the old result removed when the new training begins; the
-// replacement restarts when the command is repeated; it is made in RUN/next and stays there.
-TEST_F(CliResume, AReplacementTakesItsPlaceWhenItIsComplete) {
+// Bugs put back, each seen to fail: the old result removed; its name taken again; files of somebody
+// left behind.
+TEST_F(CliResume, WhatIsReplacedIsKeptUnderAnotherName) {
   ASSERT_EQ(train("whole", {"--seed", "7"}).exit_code, 0);
   ASSERT_EQ(train("run").exit_code, 0);
   work.write("run/metrics.json", "{}");
@@ -312,41 +317,23 @@ TEST_F(CliResume, AReplacementTakesItsPlaceWhenItIsComplete) {
                     checkpoint = work.read("run/checkpoint.ckpt");
   const ChildResult stopped = train("run", {"--seed", "7", "--overwrite", "--stop-after", "9"});
   ASSERT_EQ(stopped.exit_code, 0) << stopped.err;
-  EXPECT_NE(stopped.out.find("stopped after 9 of 20 steps; " + work.at("run") +
-                             " keeps its earlier result; repeat the command with --overwrite"),
-            std::string::npos)
-      << stopped.out;
-  EXPECT_TRUE(work.read("run/model.ply") == model);
-  EXPECT_TRUE(work.read("run/checkpoint.ckpt") == checkpoint);
-  EXPECT_TRUE(fs::exists(work / "run/metrics.json"));
+  EXPECT_NE(stopped.err.find("what was there is " + work.at("run.1") + " now"), std::string::npos)
+      << stopped.err;
+  EXPECT_TRUE(work.read("run.1/model.ply") == model);
+  EXPECT_TRUE(work.read("run.1/checkpoint.ckpt") == checkpoint);
+  EXPECT_EQ(work.read("run.1/notes.txt"), "of somebody");
+  EXPECT_FALSE(fs::exists(work / "run.1/lock"));
   const ChildResult resumed = train("run", {"--seed", "7", "--overwrite", "--json"});
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_NE(resumed.err.find("initialised from checkpoint"), std::string::npos) << resumed.err;
-  EXPECT_EQ(nlohmann::json::parse(resumed.out)["model"], work.at("run/model.ply"));
   EXPECT_TRUE(work.read("run/model.ply") == work.read("whole/model.ply"));
-  EXPECT_FALSE(fs::exists(work / "run/metrics.json")) << "of the old model";
-  EXPECT_FALSE(fs::exists(work / "run/next"));
-  EXPECT_EQ(work.read("run/notes.txt"), "of somebody");
-  EXPECT_EQ(resume("run", {"--iterations", "22"}).exit_code, 0);
-}
-
-// Bugs put back, each seen to fail: a replacement of other options is resumed; a move that was cut
-// off is not completed.
-TEST_F(CliResume, AReplacementThatWasCutOffIsOfItsOwnOptionsAndIsMovedWhole) {
-  ASSERT_EQ(train("whole", {"--seed", "8"}).exit_code, 0);
-  ASSERT_EQ(train("run").exit_code, 0);
-  ASSERT_EQ(train("run", {"--seed", "7", "--overwrite", "--stop-after", "9"}).exit_code, 0);
+  EXPECT_EQ(fs::exists(work / "run/metrics.json"), false) << "of the old model";
+  EXPECT_FALSE(fs::exists(work / "run.2")) << "the same request goes on";
   ASSERT_EQ(train("run", {"--seed", "8", "--overwrite"}).exit_code, 0);
-  EXPECT_TRUE(work.read("run/model.ply") == work.read("whole/model.ply"));
-  // as a kill leaves it that comes after the model was moved
-  fs::create_directory(work / "run/next");
-  for (const char* file : {"config.json", "checkpoint.ckpt", "log.jsonl"})
-    fs::rename(work / "run" / file, work / "run/next" / file);
-  work.write("run/next/complete", "");
-  const ChildResult again = resume("run");
-  EXPECT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_NE(again.err.find("finished at step 20 of 20"), std::string::npos) << again.err;
-  EXPECT_FALSE(fs::exists(work / "run/next"));
+  EXPECT_TRUE(work.read("run.2/model.ply") == work.read("whole/model.ply"));
+  EXPECT_EQ(work.run({"train", work.at("capture"), "-o", work.at("run.1"), "--resume"}).exit_code,
+            0)
+      << "it is a run like any other";
 }
 
 }  // namespace

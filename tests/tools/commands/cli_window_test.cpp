@@ -71,10 +71,9 @@ TEST_F(CliWindow, IsPartOfTheRequest) {
           .exit_code,
       0);
   EXPECT_EQ(json::parse(work.read("run/config.json"))["window"], "1/3");
-  EXPECT_EQ(ends({"--resume=auto", "--window", "1/3"}), 0);
-  work.expect_refused(arguments("run", {"--resume=auto", "--window", "3/3"}),
-                      {"finished run", "window 1/3 → 3/3"});
-  work.expect_refused(arguments("run", {"--resume=auto"}), {"window 1/3 → the whole clip"});
+  EXPECT_EQ(ends({"--window", "1/3"}), 0);
+  work.expect_refused(arguments("run", {"--window", "3/3"}), {"finished run", "window 1/3 → 3/3"});
+  work.expect_refused(arguments("run", {}), {"window 1/3 → the whole clip"});
   work.expect_refused(arguments("new", {"--window", "4/3"}), {"--window 4/3", "1/12"});
   work.expect_refused(arguments("new", {"--window", "1/13"}), {"window 1/13", "24 timesteps"});
 }

@@ -4,7 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "kernels/base/errors.h"
+#include "tests/support/scratch_folder.h"
 
 namespace tessera::testing {
 namespace {
@@ -148,6 +152,26 @@ TEST(DeviceChoice, NamesAndNumbersAreParsed) {
   EXPECT_EQ(parse_backend("cuda:12").gpu, 12);
   for (const char* wrong : {"gpu", "", "auto:", "auto:-1", "cuda:1x", "cuda:99999999999", "cpu:0"})
     EXPECT_THROW(parse_backend(wrong), InputError) << wrong;
+}
+
+// Bugs put back, each seen to fail: the group of the job alone looked at; the unlimited "max" taken
+// for 0; version 1 not known.
+TEST(MachineMemory, IsTheLeastThatTheGroupsOfAJobAllow) {
+  const ScratchFolder scratch;
+  const auto write = [&](const std::string& file, const std::string& text) {
+    std::filesystem::create_directories((scratch / file).parent_path());
+    std::ofstream(scratch / file) << text;
+  };
+  write("memory.max", "max\n");
+  write("system.slice/job_12/memory.max", "64000000\n");
+  write("system.slice/job_12/step_0/memory.max", "max\n");
+  EXPECT_EQ(memory_limit("0::/system.slice/job_12/step_0\n", scratch.path()), 64000000);
+  EXPECT_EQ(memory_limit("0::/\n", scratch.path()), std::nullopt);
+  EXPECT_EQ(memory_limit("", scratch.path()), std::nullopt);
+  write("memory/docker/ab/memory.limit_in_bytes", "9000000\n");
+  EXPECT_EQ(memory_limit("11:cpu,cpuacct:/docker/ab\n9:memory:/docker/ab\n", scratch.path()),
+            9000000);
+  EXPECT_GT(machine_memory(), 1 << 20);
 }
 
 }  // namespace

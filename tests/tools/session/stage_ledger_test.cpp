@@ -32,5 +32,34 @@ TEST(StageLedger, StampsFollowLinkedFolders) {
   EXPECT_EQ(file_stamps(folder / "nowhere").size(), 0u);
 }
 
+// Bugs put back, each seen to fail: both ends alone; text sampled; a video of many bytes read
+// whole.
+TEST(StageLedger, StampsSeeAChangedByteInTheMiddle) {
+  const ScratchFolder folder;
+  const struct {
+    const char* name;
+    std::string contents;
+    size_t place;
+    bool seen;
+  } files[] = {{"transforms.json", std::string(300000, '7'), 150001, true},
+               {"calibration.yml", std::string(70000, '7'), 33333, true},
+               {"poses_bounds.npy", std::string(30000, '\0'), 15001, true},
+               {"sparse/0/cameras.bin", std::string(9000, '\0'), 4500, true},
+               {"cam00.mp4", std::string(900000, '\0'), 450001, false}};
+  for (const auto& [name, contents, place, seen] : files) {
+    const fs::path file = folder / name;
+    fs::create_directories(file.parent_path());
+    write_text_file(file, contents);
+    const nlohmann::json before = file_stamps(file);
+    std::string changed = contents;
+    changed[place] = '8';
+    write_text_file(file, changed);
+    EXPECT_EQ(file_stamps(file) != before, seen) << name;
+    changed.back() = '8';
+    write_text_file(file, changed);
+    EXPECT_NE(file_stamps(file), before) << name;
+  }
+}
+
 }  // namespace
 }  // namespace tessera::testing

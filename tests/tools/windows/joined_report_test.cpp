@@ -111,5 +111,22 @@ TEST(JoinedScores, AreThoseOfTheWholeClip) {
   EXPECT_EQ(report.flicker[0].timesteps, 5);
 }
 
+// Bug put back: one pair of timesteps more for each border; seen to fail.
+TEST(JoinedScores, FlickerIsTheMeanOverThePairsOfAllWindows) {
+  JoinedReport joined;
+  for (int i = 0; i < 4; ++i) {
+    EvaluationReport part;
+    FlickerScore score;
+    score.camera = "a";
+    score.timesteps = 3;
+    score.change_error = i == 3 ? 5 : 1;
+    part.flicker.push_back(score);
+    joined.add(part, i, 1);
+  }
+  const EvaluationReport all = joined.finish();
+  EXPECT_DOUBLE_EQ(all.flicker.at(0).change_error, 2);
+  EXPECT_EQ(all.flicker.at(0).timesteps, 12);
+}
+
 }  // namespace
 }  // namespace tessera::testing

@@ -1,7 +1,7 @@
 #!/bin/bash
 # What becomes of a checkpoint when a training fails: it stays as it is whatever the exit code, and the
 # program is asked to decide again. The program is a script that ends as it is told, so that every exit
-# code has its turn; cli_test looks at what --resume=auto decides.
+# code has its turn; cli_test looks at what it decides.
 set -euo pipefail
 batch_folder=$(dirname "$(cd "$(dirname "$0")" && pwd)")
 python3 -c 'import yaml' 2>/dev/null || { echo "skip  no python3-yaml" && exit 77; }
@@ -17,7 +17,7 @@ cat >"$work/program" <<PROGRAM
 #!/bin/sh
 echo "\$@" >>"$work/words"
 case " \$* " in
-  *" --resume=auto "*) [ ! -e "$work/code" ] || {
+  *" --overwrite --preset "*) [ ! -e "$work/code" ] || {
     echo "tessera: told to end with \$(cat "$work/code")" >&2 && exit "\$(cat "$work/code")"
   } ;;
 esac
@@ -46,7 +46,7 @@ holds() { [[ $(cat "$run/$1") == "$2" ]]; }
 check "a training" ends_with 0
 asked=$(tail -n 1 "$work/words")
 check "the job of evaluate alone scores" grep -q -e "--evaluate-every never" <<<"$asked"
-check "the program decides on it" grep -q -e "--resume=auto --overwrite --preset fast" <<<"$asked"
+check "the program decides on it" grep -q -e "--overwrite --preset fast" <<<"$asked"
 begin_with "hours of work"
 for code in 1 2 75 130 137; do
   echo "$code" >"$work/code"

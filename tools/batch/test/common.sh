@@ -101,6 +101,8 @@ planned() { # OUT: the jobs that a run would do, sorted: "train a quick 1"
 
 lines() { printf '%s\n' "$@" | sort; }
 
-models() { (cd "$1" && find runs -name model.ply -print0 | sort -z | xargs -0 sha256sum); }
+models() { # without those that were replaced, which are kept as seed-N.1 and so on
+  (cd "$1" && find runs -name 'seed-*.*' -prune -o -name model.ply -print0 | sort -z | xargs -0 sha256sum)
+}
 
 failures() { find "$1/failures" -name '*.json' -printf '%f\n' | sort; }
