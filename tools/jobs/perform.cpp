@@ -1,0 +1,160 @@
+// The command writes its result to jobs/NAME.part, and what it says to its log.
+#include "tools/jobs/perform.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/folders.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/seconds_since.h"
+#include "tools/cli/background_program.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kKilled = 128 + SIGKILL;
+
+/// Programs that the kernel has killed for memory until now; 0 where it does not count them.
+int64_t kills_for_memory() {
+  std::ifstream counters("/proc/vmstat");
+  for (std::string name, number; counters >> name >> number;)
+    if (name == "oom_kill") return std::atoll(number.c_str());
+  return 0;
+}
+
+bool speaks_of_memory(std::string message) {
+  std::transform(message.begin(), message.end(), message.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  return message.find("out of memory") != std::string::npos;
+}
+
+fs::path part_of(const fs::path& record) {
+  return fs::path(record).replace_extension(".part");
+}
+
+}  // namespace
+
+RunningJob::RunningJob(const Job& job, const JobFolder& folder, std::optional<int> gpu)
+    : job_(job), folder_(folder), gpu_(gpu) {
+  make_folder(folder.record(job.name).parent_path());
+  make_folder(folder.log(job.name).parent_path());
+  const fs::path log = folder.log(job.name);
+  log_ = ::open(log.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (log_ < 0) fail_to_write(log, errno);
+}
+
+RunningJob::~RunningJob() {
+  ::close(log_);
+}
+
+void RunningJob::signal(int number) const {
+  if (child_ > 0) ::kill(-child_, number);
+}
+
+void RunningJob::start() {
+  std::error_code ignored;
+  fs::remove(folder_.record(job_.name), ignored);
+  const fs::path part = part_of(folder_.record(job_.name));
+  const int output = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (output < 0) fail_to_write(part, errno);
+  std::vector<std::string> words{folder_.program.string()};
+  words.insert(words.end(), job_.words.begin(), job_.words.end());
+  const std::string title = fmt::format("+ {}\n", fmt::join(words, " "));
+  if (::write(log_, title.data(), title.size()) < 0) fail_to_write(folder_.log(job_.name), errno);
+  log_begin_ = ::lseek(log_, 0, SEEK_END);
+  kills_ = kills_for_memory();
+  begin_ = std::chrono::steady_clock::now();
+  child_ = start_in_background(
+      folder_.program, words,
+      {.output = output,
+       .errors = log_,
+       .folder = folder_.root,
+       .variable = gpu_ ? fmt::format("CUDA_VISIBLE_DEVICES={}", *gpu_) : std::string()});
+  const int reason = errno;
+  ::close(output);
+  if (child_ < 0)
+    throw InputError(
+        fmt::format("{}: cannot be started ({})", folder_.program.string(), std::strerror(reason)));
+}
+
+std::optional<JobOutcome> RunningJob::poll() {
+  if (child_ < 0) {  // a file system without locks has no second start either
+    if (::flock(log_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return std::nullopt;
+    start();
+  }
+  int status = 0;
+  if (::waitpid(child_, &status, WNOHANG) != child_) return std::nullopt;
+  return end(status);
+}
+
+/// Its line of an error where there is one.
+std::string RunningJob::last_line() const {
+  std::ifstream file(folder_.log(job_.name), std::ios::binary);
+  file.seekg(log_begin_);
+  std::string text{std::istreambuf_iterator<char>(file), {}}, last, error;
+  std::replace(text.begin(), text.end(), '\r', '\n');
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find_first_not_of(" \t") == std::string::npos) continue;
+    if (line.starts_with("tessera: ")) error = line;
+    last = line;
+  }
+  return !error.empty() ? error : !last.empty() ? last : "said nothing";
+}
+
+JobOutcome RunningJob::end(int status) {
+  child_ = -1;
+  JobOutcome outcome;
+  outcome.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  const fs::path record = folder_.record(job_.name), part = part_of(record);
+  json result = json::parse(read_text_file(part), nullptr, false);
+  std::error_code ignored;
+  fs::remove(part, ignored);
+  if (outcome.exit_code == 0 && result.is_discarded()) {
+    outcome.exit_code = 1;
+    outcome.message = "has ended without a result";
+  } else if (outcome.exit_code == kKilled) {  // who stops a machine sends this signal, too
+    outcome.out_of_memory = kills_for_memory() > kills_;
+    outcome.message = outcome.out_of_memory ? "was killed: out of memory" : "was killed";
+  } else if (outcome.exit_code != 0) {
+    outcome.message = last_line();
+    outcome.out_of_memory = speaks_of_memory(outcome.message);
+  }
+  json entry = {{"words", job_.words},
+                {"inputs", job_.inputs},
+                {"needs", json::object()},
+                {"at", std::chrono::system_clock::now().time_since_epoch().count()},
+                {"seconds", seconds_since(begin_)},
+                {"done", outcome.exit_code == 0}};
+  for (const std::string& need : job_.needs)
+    entry["needs"][need] = read_record(folder_, need).value("at", json(0));
+  if (outcome.exit_code == 0)
+    entry["result"] = std::move(result);
+  else
+    entry.update({{"exit_code", outcome.exit_code},
+                  {"message", outcome.message},
+                  {"out_of_memory", outcome.out_of_memory}});
+  write_text_file(record, entry.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
+  return outcome;
+}
+
+}  // namespace tessera
