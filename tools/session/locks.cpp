@@ -75,9 +75,9 @@ std::string holders_of(int descriptor) {
   return fmt::format("process {} on {}", fmt::join(processes, ", "), host_name());
 }
 
-/// Returns 0 or errno. What is_run_locked of another program holds is waited for, up to 0.2 s.
+/// Returns 0 or errno. What is_run_locked of another program holds is waited for, up to 1 s.
 int lock_for_itself(int descriptor) {
-  for (int tries = 20; ::flock(descriptor, LOCK_EX | LOCK_NB) != 0; --tries) {
+  for (int tries = 100; ::flock(descriptor, LOCK_EX | LOCK_NB) != 0; --tries) {
     if (errno != EWOULDBLOCK || tries == 0) return errno;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }

@@ -38,8 +38,7 @@ TEST(Locks, AreRefusedWhereAnotherTrains) {
   EXPECT_THROW(RunLock(scratch.path(), silent), InputError);
 }
 
-// Bugs put back, each seen to fail: a name that is taken; the lock of the folder that is kept
-// kept, or removed with that of the new one.
+// Bugs put back, each seen to fail: a name that is taken; a lock file that stays in what is kept.
 TEST(Locks, OfAFolderThatMakesRoomAreThoseOfTheNewOne) {
   const ScratchFolder scratch;
   SessionObserver silent;

@@ -45,7 +45,8 @@ TEST(StageLedger, StampsSeeAChangedByteInTheMiddle) {
                {"calibration.yml", std::string(70000, '7'), 33333, true},
                {"poses_bounds.npy", std::string(30000, '\0'), 15001, true},
                {"sparse/0/cameras.bin", std::string(9000, '\0'), 4500, true},
-               {"cam00.mp4", std::string(900000, '\0'), 450001, false}};
+               {"cam00.mp4", std::string(900000, '\0'), 450001, false},
+               {"cam01.mp4", std::string(900000, '\0'), 99600, true}};
   for (const auto& [name, contents, place, seen] : files) {
     const fs::path file = folder / name;
     fs::create_directories(file.parent_path());
