@@ -2,11 +2,13 @@
 // zero.
 #include "ingest/images/image_noise.h"
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "kernels/base/median.h"
 
 namespace tessera {
 namespace {
@@ -37,13 +39,6 @@ TileNoise noise_of_tile(const Image8& image, int x0, int y0) {
     }
   constexpr double kPixels = kTile * kTile;
   return {sum / kPixels, std::sqrt(squares / kPixels / kGain)};
-}
-
-/// The value that `share` of all are below; `values` are not empty.
-double quantile(std::vector<double> values, double share) {
-  const auto place = values.begin() + ptrdiff_t(share * double(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
 }
 
 }  // namespace

@@ -77,4 +77,11 @@ InputError refused_run(const std::filesystem::path& out, const RunRecord& record
       (out / "").parent_path().filename().string()));
 }
 
+RunAction action_in(const std::filesystem::path& out, const RunRecord& record, const json& request,
+                    bool overwrite) {
+  const RunPlan plan = plan_run(record, request, overwrite);
+  if (plan.action == RunAction::kRefuse) throw refused_run(out, record, plan);
+  return plan.action;
+}
+
 }  // namespace tessera

@@ -48,4 +48,8 @@ RunPlan plan_run(const RunRecord& record, const nlohmann::json& request, bool ov
 InputError refused_run(const std::filesystem::path& out, const RunRecord& record,
                        const RunPlan& plan);
 
+/// plan_run of the folder `out`, whose refusal is an error. Errors: InputError: refused_run.
+RunAction action_in(const std::filesystem::path& out, const RunRecord& record,
+                    const nlohmann::json& request, bool overwrite);
+
 }  // namespace tessera

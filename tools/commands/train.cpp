@@ -31,7 +31,6 @@
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
-#include "tools/session/windows_folder.h"
 #include "tools/view/view_server.h"
 #include "tools/windows/train_windows.h"
 #include "tools/windows/window_choice.h"
@@ -40,8 +39,6 @@
 
 namespace tessera {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string steps_text(const nlohmann::json& result) {
   return fmt::format("stopped after {} of {} steps", result["iterations"].get<int64_t>(),
@@ -164,17 +161,15 @@ int train_and_report(TrainRequest request, const Parsed& parsed) {
     const RunFolder run{request.run};
     const bool decides = !request.resume;
     if (decides) {
-      const RunRecord record = record_of(run, request.scene);
-      const RunPlan plan =
-          plan_run(record, nlohmann::json::parse(request.made_for), parsed.overwrite);
-      if (plan.action == RunAction::kRefuse) throw refused_run(request.run, record, plan);
-      if (plan.action == RunAction::kDone) {
+      const RunAction action = action_in(request.run, record_of(run, request.scene),
+                                         nlohmann::json::parse(request.made_for), parsed.overwrite);
+      if (action == RunAction::kDone) {
         const nlohmann::json result = recorded_result(run);
         print_result(parsed.json, result, training_text(result) + "\ndone before, unchanged");
         return kExitDone;
       }
-      if (plan.action == RunAction::kReplace) RunLock(request.run, terminal).make_room();
-      request.resume = plan.action == RunAction::kResume;
+      if (action == RunAction::kReplace) RunLock(request.run, terminal).make_room();
+      request.resume = action == RunAction::kResume;
     }
     ViewedTraining training(std::move(request), decides, parsed.view, terminal);
     const nlohmann::json result = training.train();

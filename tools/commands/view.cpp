@@ -2,10 +2,9 @@
 // to a browser. tools/view has the server.
 #include <fcntl.h>
 #include <fmt/format.h>
-
 #include <poll.h>
-#include <algorithm>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>

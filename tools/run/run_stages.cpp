@@ -195,9 +195,7 @@ class Runner {
     json inputs = asked_of_training(request_.training, planned_);
     inputs[kSceneFiles] = scene_key_;
     if (windows_ > 1) return train_windows_of_scene(std::move(inputs));
-    const RunRecord record = record_of(run_, scene_);
-    const RunPlan plan = plan_run(record, inputs, false);
-    if (plan.action == RunAction::kRefuse) throw refused_run(request_.out, record, plan);
+    const RunAction action = action_in(request_.out, record_of(run_, scene_), inputs, false);
     if (stages_.ledger().is_finished(kTrain.entry) && fs::exists(run_.model()) &&
         !stages_.is_as_written(kTrain, run_.model()))
       throw InputError(fmt::format(
@@ -214,7 +212,7 @@ class Runner {
       asked.scene = scene_;
       asked.run = run_.root;
       take_arguments(request_.training, planned_, scene_key_, asked);
-      asked.resume = plan.action != RunAction::kStart;
+      asked.resume = action != RunAction::kStart;
       asked.snapshots = &live;
       json result = train_or_restart(std::move(asked), live);
       if (interrupted() || live.stopped()) return {};
@@ -328,10 +326,9 @@ std::optional<json> run_stages(const RunRequest& request, std::unique_ptr<ViewCh
   RunRecord record = record_of(run, request.capture);
   record.finished = ledger.is_finished(kTrain.entry) && record.has_model;
   record.request = ledger.inputs(kAsked);
-  const RunPlan plan = plan_run(record, asked, request.overwrite);
-  if (plan.action == RunAction::kRefuse) throw refused_run(request.out, record, plan);
-  if (plan.action == RunAction::kStart) run.require_room();
-  const fs::path earlier = plan.action == RunAction::kReplace ? lock.make_room() : fs::path();
+  const RunAction action = action_in(request.out, record, asked, request.overwrite);
+  if (action == RunAction::kStart) run.require_room();
+  const fs::path earlier = action == RunAction::kReplace ? lock.make_room() : fs::path();
   for (const fs::path& folder : {request.out / "player", request.out / "frames"})
     if (has_foreign_contents(folder, "export"))
       throw InputError(fmt::format(

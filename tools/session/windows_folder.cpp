@@ -12,7 +12,6 @@
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
 #include "recon4d/model/model_file.h"
-#include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {

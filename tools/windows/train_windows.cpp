@@ -69,9 +69,8 @@ class WindowsTraining {
   /// What is there of another request is refused, or kept as ROOT.1 where that is asked for.
   void make_room() {
     const RunRecord record = record_of(RunFolder{folder_.root}, request_.scene);
-    const RunPlan plan = plan_run(record, request_json_, request_.overwrite);
-    if (plan.action == RunAction::kRefuse) throw refused_run(folder_.root, record, plan);
-    if (plan.action == RunAction::kReplace) RunLock(folder_.root, terminal_).make_room();
+    if (action_in(folder_.root, record, request_json_, request_.overwrite) == RunAction::kReplace)
+      RunLock(folder_.root, terminal_).make_room();
     continues_ = WindowsFolder::is_finished(folder_.static_run());
   }
 
@@ -182,11 +181,10 @@ class WindowsTraining {
   /// Starts, resumes or leaves the training as it is. False when it was stopped.
   bool trained(const std::string& name, TrainRequest& training) {
     const RunFolder run{training.run};
-    const RunRecord record = record_of(run, training.scene);
-    const RunPlan plan = plan_run(record, json::parse(training.made_for), false);
-    if (plan.action == RunAction::kRefuse) throw refused_run(run.root, record, plan);
-    if (plan.action != RunAction::kDone) {
-      training.resume = plan.action == RunAction::kResume;
+    const RunAction action =
+        action_in(run.root, record_of(run, training.scene), json::parse(training.made_for), false);
+    if (action != RunAction::kDone) {
+      training.resume = action == RunAction::kResume;
       say(fmt::format("{}: {}", name, training.resume ? "is resumed" : "training"));
       TrainingTerminal terminal;
       const json result = train_or_restart(training, terminal);
