@@ -6,6 +6,10 @@ find_package(PNG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
+find_package(yaml-cpp REQUIRED)
+if(NOT TARGET yaml-cpp::yaml-cpp)  # before 0.8
+  add_library(yaml-cpp::yaml-cpp ALIAS yaml-cpp)
+endif()
 find_path(DEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)  # inflates PNG
 find_library(DEFLATE_LIBRARY deflate REQUIRED)
 add_library(libdeflate::libdeflate UNKNOWN IMPORTED)

@@ -6,7 +6,7 @@
 # Usage: check_kill.sh [N]     N kills of each, default 20
 # TESSERA: the program (default: that of build/release, else of build/ci)
 # SEED: seed of the instants (default: a new one, printed)
-# Exit code 1 where something differs; 77 without the program. Batches are skipped without snakemake.
+# Exit code 1 where something differs; 77 without the program.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 built=build/release/tessera
@@ -16,6 +16,8 @@ TESSERA=$(realpath "${TESSERA:-$built}")
 export TESSERA SEED=${SEED:-$RANDOM}
 exec python3 - "${1:-20}" <<'PYTHON'
 import filecmp
+import glob
+import json
 import os
 import random
 import shutil
@@ -25,12 +27,17 @@ import sys
 import tempfile
 import time
 
-sys.path.insert(0, "tools/batch")
-import records  # noqa: E402
-
 PROGRAM = os.environ["TESSERA"]
 TINY = ["--preset", "fast", "--init-points", "300", "--peak-gaussians", "600", "--deterministic",
         "true", "--threads", "1"]
+
+
+def read(file):
+    try:
+        with open(file) as text:
+            return json.load(text)
+    except (OSError, ValueError):
+        return {}
 
 
 def start(command, log):
@@ -73,34 +80,37 @@ def same_files(one, other):
 
 
 class Run:
-    """`tessera run` over an older run of another size and seed."""
+    """`tessera run` in the place of an older run of another size and seed."""
     name = "run"
+    keeps = "run/model.ply"  # of an older run, in out.1
     products = {"ingest": "scene", "train": "run/model.ply", "export": "frames", "player": "player"}
 
     def command(self, out, new):
-        more = ["--scale", "0.5", "--seed", "2"] if new else ["--seed", "1"]
+        more = ["--scale", "0.5", "--seed", "2", "--overwrite"] if new else ["--seed", "1"]
         return [PROGRAM, "run", "capture", "-o", out, *TINY, "--iterations", "300",
                 "--export-frames", "2",
                 "--checkpoint-every", "10", *more]
 
     def claimed(self, out, whole):
         """The results that the folder marks as done for the new command: pairs of files there and in `whole`."""
-        stages, new = records.read(f"{out}/stages.json"), records.read(f"{whole}/stages.json")
+        stages, new = read(f"{out}/stages.json"), read(f"{whole}/stages.json")
+        if stages.get("asked", {}).get("inputs") != new["asked"]["inputs"]:
+            return []
         return [(f"{whole}/{file}", f"{out}/{file}") for stage, file in self.products.items()
-                if stage in new and stages.get(stage, {}).get("done") and
-                stages[stage]["key"] == new[stage]["key"]]
+                if stages.get(stage, {}).get("done") and os.path.exists(f"{whole}/{file}")]
 
     def results(self, whole):
         return [file for file in self.products.values() if os.path.exists(f"{whole}/{file}")]
 
     def where(self, out):
-        stages = records.read(f"{out}/stages.json")
-        return next((s for s, e in stages.items() if not e["done"]), "between stages")
+        stages = read(f"{out}/stages.json")
+        return next((s for s, e in stages.items() if not e["done"] and s != "asked"), "between stages")
 
 
 class Batch:
     """`tessera batch` over an older batch of another seed of its trainings' options."""
     name = "batch"
+    keeps = ""
     run = "runs/capture/fast/seed-1"
 
     def command(self, out, new):
@@ -109,24 +119,23 @@ class Batch:
                 "300" if new else "40", *(["--scale", "0.5"] if new else [])]
 
     def claimed(self, out, whole):
-        """What the report would show: runs with scores, and exports."""
-        pairs = []
-        if os.path.exists(f"{out}/{self.run}/metrics.json") and self.is_new(out):
-            pairs.append((f"{whole}/{self.run}/model.ply", f"{out}/{self.run}/model.ply"))
-        if os.path.exists(f"{out}/exports/capture/fast/seed-1/tessera.json") and self.is_new(out):
-            pairs.append((f"{whole}/exports/capture/fast/seed-1/tessera",
-                          f"{out}/exports/capture/fast/seed-1/tessera"))
-        return pairs
-
-    def is_new(self, out):
-        return records.read(f"{out}/{self.run}/config.json").get("options", {}).get("iterations") == 300
+        """What records of jobs say is done as it is asked for now."""
+        of_job = {"ingest/capture": "scenes/capture", "train/capture/fast/seed-1": f"{self.run}/model.ply",
+                  "export/capture/fast/seed-1/tessera": "exports/capture/fast/seed-1/tessera"}
+        done = [job for job in of_job
+                if (record := read(f"{out}/jobs/{job}.json")).get("done")
+                and record["inputs"] == read(f"{whole}/jobs/{job}.json")["inputs"]]
+        if "train/capture/fast/seed-1" not in done:  # what an older training has exported
+            done = [job for job in done if job.startswith("ingest/")]
+        return [(f"{whole}/{of_job[job]}", f"{out}/{of_job[job]}") for job in done]
 
     def results(self, whole):
         return [f"{self.run}/model.ply", "exports/capture/fast/seed-1/tessera", "scenes/capture"]
 
     def where(self, out):
-        return next((f[:-5] for f in sorted(os.listdir(f"{out}/failures"))), "between jobs") \
-            if os.path.isdir(f"{out}/failures") else "before jobs"
+        names = sorted(glob.glob(f"{out}/jobs/**/*.json", recursive=True))
+        return next((os.path.relpath(f, f"{out}/jobs") for f in names if not read(f).get("done")),
+                    "between jobs")
 
 
 def whole_run(job, out, new, log):
@@ -137,12 +146,18 @@ def whole_run(job, out, new, log):
     return time.monotonic() - begin
 
 
+def forget_kept():
+    for folder in glob.glob("out.*"):
+        shutil.rmtree(folder)
+
+
 def kills(job, count, log):
     whole_run(job, "out", False, log)
     os.rename("out", "older")
     shutil.copytree("older", "out", symlinks=True)
     seconds = whole_run(job, "out", True, log)
     os.rename("out", "whole")
+    forget_kept()
     print(f"{job.name}: {seconds:.1f} s undisturbed", flush=True)
     wrong = 0
     for i in range(count):
@@ -160,6 +175,8 @@ def kills(job, count, log):
             problems.append(f"the same command ends with {again}")
         problems += [f"{file} differs" for file in job.results("whole")
                      if not same_files(f"whole/{file}", f"out/{file}")]
+        if job.keeps and not same_files(f"older/{job.keeps}", f"out.1/{job.keeps}"):
+            problems.append("the older result is gone")
         print(f"{job.name:6} {i + 1:3} {instant:6.2f} s  {where:32} {'; '.join(problems) or 'same'}",
               flush=True)
         wrong += bool(problems)
@@ -167,6 +184,7 @@ def kills(job, count, log):
             os.rename("out", f"wrong_{job.name}_{i + 1}")
         else:
             shutil.rmtree("out")
+        forget_kept()
     for folder in ("older", "whole"):
         shutil.rmtree(folder)
     return wrong
@@ -182,7 +200,7 @@ def main():
         subprocess.run([PROGRAM, "synth", "object", "-o", "capture", "--layout", "dnerf", "--frames",
                         "6", "--held-out-frames", "1", "--width", "48", "--height", "48",
                         "--supersampling", "1", "--points", "100"], check=True, stdout=log, stderr=log)
-        jobs = [Run()] + ([Batch()] if shutil.which("snakemake") else [])
+        jobs = [Run(), Batch()]
         wrong = sum(kills(job, int(sys.argv[1]), log) for job in jobs)
     print(f"{wrong} of {len(jobs) * int(sys.argv[1])} differ")
     if wrong == 0:

@@ -4,7 +4,7 @@
 # Usage: measure_stability.sh make FOLDER         makes the captures in FOLDER
 #        measure_stability.sh train FOLDER OUT    a batch of every capture in FOLDER; OUT/report has it
 # Put other captures or prepared scenes beside those that are made. TESSERA names the program, JOBS how
-# many jobs run side by side (seconds are not comparable then; above 1 needs Snakemake).
+# many jobs run side by side (seconds are not comparable then).
 set -euo pipefail
 here=$(dirname "$0")
 tessera=${TESSERA:-$here/../build/release/tessera}

@@ -70,6 +70,7 @@ int tessera_main(int argc, char** argv) {
   add_bench_command(app, work);
   add_synth_command(app, work);
   add_batch_command(app, work);
+  add_job_command(app, work);
   add_report_command(app, work);
   add_view_command(app, work);
   add_env_command(app, work);

@@ -1,4 +1,4 @@
-// Compares asked.json with runs/ and failures/.
+// Compares asked.json with runs/ and the records of jobs.
 #include "tools/batch/batch_folder.h"
 
 #include <fmt/format.h>
@@ -7,10 +7,12 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/interrupt.h"
+#include "tools/jobs/job.h"
 
 namespace tessera {
 namespace {
@@ -38,27 +40,44 @@ std::vector<fs::path> sorted_entries(const fs::path& folder) {
   return entries;
 }
 
-/// "" for what is not there, or leads out of the folder.
-std::string log_below(const fs::path& root, const std::string& log) {
-  const fs::path path = fs::path(log).lexically_normal();
-  const bool leaves = path.is_absolute() || path.empty() || *path.begin() == "..";
-  return !leaves && fs::is_regular_file(root / path) ? path.string() : "";
+struct JobsOfBatch {
+  std::vector<Job> jobs;        // none: of an earlier version
+  std::set<std::string> to_do;  // their names
+};
+
+JobsOfBatch read_jobs(const fs::path& root, std::vector<std::string>& notes) {
+  const JobFolder folder{root, {}};
+  JobsOfBatch found;
+  if (!fs::exists(folder.list())) return found;
+  try {
+    found.jobs = read_job_list(folder);
+  } catch (const InputError& error) {
+    notes.emplace_back(error.what());
+  }
+  for (const Job& job : jobs_to_do(found.jobs, folder)) found.to_do.insert(job.name);
+  return found;
 }
 
-std::vector<BatchFailure> read_failures(const fs::path& folder, std::vector<std::string>& notes) {
+std::vector<BatchFailure> read_failures(const fs::path& root, const JobsOfBatch& of_batch) {
+  const JobFolder folder{root, {}};
   std::vector<BatchFailure> failures;
-  for (const fs::path& file : sorted_entries(folder)) {
-    if (file.extension() != ".json") continue;
-    const json entry = read_object(file, notes);
-    if (entry.is_null()) continue;
-    BatchFailure failure{
-        word_of(entry, "scene"),   word_of(entry, "rule"),
-        word_of(entry, "preset"),  word_of(entry, "seed"),
-        word_of(entry, "format"),  {},
-        word_of(entry, "message"), log_below(folder.parent_path(), word_of(entry, "log"))};
-    const json exit = entry.value("exit_code", json());
-    if (exit.is_number_integer()) failure.exit = exit.get<int64_t>();
-    if (!failure.exit && failure.rule == "report") continue;  // the report is being written
+  for (const Job& job : of_batch.jobs) {
+    if (!of_batch.to_do.contains(job.name)) continue;
+    const json record = read_record(folder, job.name);
+    if (record.empty() || record.value("done", false)) continue;
+    const JobName name = parts_of(job.name);
+    BatchFailure failure{name.scene,
+                         name.stage,
+                         name.variant,
+                         name.seed,
+                         name.format,
+                         {},
+                         word_of(record, "message"),
+                         ""};
+    if (const json exit = record.value("exit_code", json()); exit.is_number_integer())
+      failure.exit = exit.get<int64_t>();
+    if (fs::is_regular_file(folder.log(job.name)))
+      failure.log = folder.log(job.name).lexically_relative(root).string();
     failures.push_back(std::move(failure));
   }
   return failures;
@@ -69,46 +88,30 @@ bool concerns(const BatchFailure& failure, const BatchRun& run) {
          (failure.seed.empty() || failure.seed == fmt::format("{}", run.seed));
 }
 
-BatchRun make_run(const BatchFolder& batch, const std::string& scene, const std::string& preset,
-                  int64_t seed) {
+BatchRun make_run(const BatchFolder& batch, const JobsOfBatch& of_batch, const std::string& scene,
+                  const std::string& preset, int64_t seed) {
   BatchRun run{scene, preset, seed, {}, RunState::kMissing, ""};
-  run.folder = batch.root / "runs" / scene / preset / fmt::format("seed-{}", seed);
-  if (fs::exists(run.folder / "metrics.json")) run.state = RunState::kDone;
+  const std::string place = fmt::format("{}/{}/seed-{}", scene, preset, seed);
+  run.folder = batch.root / "runs" / place;
+  const bool is_scored = fs::exists(run.folder / "metrics.json"),
+             is_stale = of_batch.to_do.contains("evaluate/" + place);
+  if (is_scored && !is_stale) run.state = RunState::kDone;
   for (const BatchFailure& failure : batch.failures) {
     if (!concerns(failure, run)) continue;
     run.error = failure.line();
     if (!failure.unfinished()) run.state = RunState::kFailed;
   }
+  run.has_other_result = is_scored && is_stale;
   return run;
 }
 
-/// Whether the run in `folder` was begun with what is asked for now, as far as it has noted that.
-bool is_as_asked(const BatchFolder& batch, const json& variant, const json& seed,
-                 const fs::path& folder) {
-  std::vector<std::string> ignored;
-  const json job = read_object(folder / "batch.json", ignored);
-  const json begun = job.is_object() ? job.value("asked", json()) : json();
-  json now{{"seed", seed}, {"preset", variant.value("preset", json())}};
-  for (const char* key : {"deterministic", "windows"}) now[key] = batch.asked.value(key, json());
-  now["options"] = variant.value("options", json::object());
-  for (const char* key : {"checkpoint_every", "evaluate_every", "time_limit"})  // as settings.py
-    now["options"].erase(key);
-  for (const auto& [key, value] : now.items())
-    if (begun.is_object() && begun.contains(key) && begun[key] != value) return false;
-  return true;
-}
-
-void add_asked(BatchFolder& batch) {
+void add_asked(BatchFolder& batch, const JobsOfBatch& of_batch) {
   for (const json& scene : array_of(batch.asked, "scenes"))
     for (const json& variant : array_of(batch.asked, "variants"))
       for (const json& seed : array_of(batch.asked, "seeds")) {
         if (!scene.is_object() || !variant.is_object() || !seed.is_number_integer()) continue;
-        BatchRun run =
-            make_run(batch, word_of(scene, "name"), word_of(variant, "name"), seed.get<int64_t>());
-        run.has_other_result =
-            run.state == RunState::kDone && !is_as_asked(batch, variant, seed, run.folder);
-        if (run.has_other_result) run.state = RunState::kMissing;
-        batch.runs.push_back(std::move(run));
+        batch.runs.push_back(make_run(batch, of_batch, word_of(scene, "name"),
+                                      word_of(variant, "name"), seed.get<int64_t>()));
       }
 }
 
@@ -128,11 +131,20 @@ void add_found(const BatchFolder& batch, std::vector<BatchRun>& found) {
         const char* const end = name.data() + name.size();
         if (std::from_chars(name.data() + kSeed.size(), end, seed).ptr != end) continue;
         found.push_back(
-            make_run(batch, scene.filename().string(), preset.filename().string(), seed));
+            make_run(batch, {}, scene.filename().string(), preset.filename().string(), seed));
       }
 }
 
 }  // namespace
+
+JobName parts_of(const std::string& job) {
+  JobName name;
+  std::istringstream parts(job);
+  for (std::string* part : {&name.stage, &name.scene, &name.variant, &name.seed, &name.format})
+    std::getline(parts, *part, '/');
+  if (name.seed.starts_with("seed-")) name.seed = name.seed.substr(5);
+  return name;
+}
 
 std::string BatchFailure::line() const {
   std::string text = scene.empty() ? rule : fmt::format("{}: {}", scene, rule);
@@ -180,16 +192,16 @@ BatchFolder read_batch(const fs::path& root) {
   BatchFolder batch;
   batch.root = root;
   if (!fs::exists(root)) throw InputError(fmt::format("{}: no such folder", root.string()));
-  if (!fs::exists(root / "batch.yaml") && !fs::exists(root / "runs") &&
-      !fs::exists(root / "failures"))
+  if (!fs::exists(root / "batch.yaml") && !fs::exists(root / "runs"))
     throw InputError(
         fmt::format("{}: is no folder of a batch: it has no batch.yaml and no runs; name the "
                     "folder that was given to `tessera batch -o`",
                     root.string()));
   json asked = read_object(root / "asked.json", batch.notes);
   if (!asked.is_null()) batch.asked = std::move(asked);
-  batch.failures = read_failures(root / "failures", batch.notes);
-  add_asked(batch);
+  const JobsOfBatch of_batch = read_jobs(root, batch.notes);
+  batch.failures = read_failures(root, of_batch);
+  add_asked(batch, of_batch);
   add_found(batch, batch.asked.empty() ? batch.runs : batch.earlier);
   return batch;
 }

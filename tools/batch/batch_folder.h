@@ -1,8 +1,7 @@
 // The contents of a batch's folder OUT: the request, the finished runs and the failures. OUT holds
-// batch.yaml, asked.json (the resolved request {scenes, variants, seeds, …}, settings.py),
-// workflow/, scenes/SCENE, runs/SCENE/PRESET/seed-S (run folders with metrics.json and train.json),
-// exports/SCENE/PRESET/seed-S/FORMAT, failures/*.json {scene, rule, preset, seed, format,
-// exit_code, message, log} and report/.
+// batch.yaml, asked.json (the resolved request, batch.h), jobs.json with records of jobs and their
+// logs (tools/jobs/job.h), scenes/SCENE, runs/SCENE/PRESET/seed-S (run folders with metrics.json
+// and train.json), exports/SCENE/PRESET/seed-S/FORMAT, workflow/ and report/.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -13,6 +12,12 @@
 #include "kernels/base/enum_names.h"
 
 namespace tessera {
+
+/// What the name of a job says; "" for what it is not of.
+struct JobName {
+  std::string stage, scene, variant, seed, format;
+};
+JobName parts_of(const std::string& job);
 
 struct BatchFailure {
   std::string scene, rule, preset, seed, format;  // "" where it is of none
@@ -43,7 +48,7 @@ struct BatchFolder {
   nlohmann::json asked = nlohmann::json::object();  // asked.json; empty before the first start
   std::vector<BatchRun> runs;                       // scene by scene, in the order of the request
   std::vector<BatchRun> earlier;                    // finished, but not of this request
-  std::vector<BatchFailure> failures;               // by file name
+  std::vector<BatchFailure> failures;               // in the order of the jobs
   std::vector<std::string> notes;                   // what could not be read, one line each
 
   /// Of the requested runs.
@@ -56,8 +61,9 @@ struct BatchFolder {
 /// Null where there is no such file; an object, or null and a note, where there is.
 nlohmann::json read_object(const std::filesystem::path& file, std::vector<std::string>& notes);
 
-/// Where asked.json is missing or damaged, all finished runs count as requested. Errors:
-/// InputError: `root` is no folder of a batch: it has neither batch.yaml nor runs/ nor failures/.
+/// Where asked.json is missing or damaged, all finished runs count as requested; where jobs.json
+/// is, as in folders of earlier versions, a run with scores is done. Errors: InputError: `root` is
+/// no folder of a batch: it has neither batch.yaml nor runs/.
 BatchFolder read_batch(const std::filesystem::path& root);
 
 /// "10 of 12 runs done, 1 failed, 1 not run; 3 of 4 scenes complete".

@@ -9,6 +9,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "tools/batch/points.h"
+#include "tools/jobs/job.h"
 #include "tools/report/log_events.h"
 #include "tools/report/run_report.h"
 
@@ -34,28 +35,31 @@ json or_null(const std::optional<double>& value) {
   return value ? json(*value) : json();
 }
 
-/// The jobs as `tessera run` records its stages. Where the seconds of one are not known, none are:
-/// a sum without them would be wrong.
-json ledger_of(const JobRecords& jobs) {
-  json ledger = {{"ingest", {{"result", jobs.ingest}}}};
-  const std::pair<const char*, const json*> stages[] = {
-      {"ingest", &jobs.ingest}, {"train", &jobs.trained}, {"evaluate", &jobs.metrics}};
-  for (const auto& [stage, record] : stages)
-    if (!number_at(*record, "job_seconds")) return ledger;
-  for (const auto& [stage, record] : stages) ledger[stage]["seconds"] = (*record)["job_seconds"];
-  double exported = 0;
-  for (const json* record : {&jobs.page, &jobs.file})
-    exported += number_at(*record, "job_seconds").value_or(0);
-  if (exported > 0) ledger["export"]["seconds"] = exported;
-  return ledger;
+/// Seconds that a job took; nothing where they are not known.
+std::optional<double> seconds_of(const BatchFolder& batch, const std::string& job) {
+  const json record = read_record({batch.root, {}}, job);
+  return record.value("done", false) ? number_at(record, "seconds") : std::nullopt;
 }
 
-/// `request`: batch.json of a run.
-void add_reduction(const json& request, json& warnings) {
-  for (const auto& [limit, most] : field_at(request, "reduced").items())
-    warnings.push_back({{"stage", "train"},
-                        {"text", fmt::format("ran out of memory; trained again with {} = {}", limit,
-                                             most.get<std::string>())}});
+/// The jobs as `tessera run` records its stages. Where the seconds of one are not known, none are:
+/// a sum without them would be wrong.
+json ledger_of(const BatchFolder& batch, const BatchRun& run, const JobRecords& jobs) {
+  json ledger = {{"ingest", {{"result", jobs.ingest}}}};
+  const std::string place = fmt::format("{}/{}/seed-{}", run.scene, run.preset, run.seed);
+  const auto ingest = seconds_of(batch, "ingest/" + run.scene),
+             train = seconds_of(batch, "train/" + place),
+             evaluate = seconds_of(batch, "evaluate/" + place);
+  if (!ingest || !train || !evaluate) return ledger;
+  ledger["ingest"]["seconds"] = *ingest;
+  ledger["train"]["seconds"] = *train;
+  ledger["evaluate"]["seconds"] = *evaluate;
+  double exported = 0;
+  for (const json& format : batch.asked.value("exports", json::array()))
+    if (format.is_string())
+      exported += seconds_of(batch, fmt::format("export/{}/{}", place, format.get<std::string>()))
+                      .value_or(0);
+  if (exported > 0) ledger["export"]["seconds"] = exported;
+  return ledger;
 }
 
 class RunReader {
@@ -84,7 +88,7 @@ class RunReader {
     RunRecords records = read_records(run.folder);
     if (records.windows.empty()) records.config = record(folder / "config.json");
     records.metrics = jobs.metrics;
-    records.stages = ledger_of(jobs);
+    records.stages = ledger_of(batch_, run, jobs);
     records.trained = jobs.trained;
     json report = run_report(records);
     if (!records.stages.contains("train")) report["seconds"]["command"] = nullptr;
@@ -122,7 +126,6 @@ class RunReader {
     report["size"]["player_bytes"] = or_null(number_at(jobs.page, "bytes"));
     if (const auto peak = number_at(jobs.trained, "peak_device_bytes"))
       report["size"]["peak_bytes"] = *peak;
-    add_reduction(record(folder / "batch.json"), report["warnings"]);
     json& files = report["files"] = json::array();
     const auto add = [&](const char* name, const fs::path& file) {
       if (!file.empty() && fs::is_regular_file(batch_.root / file))

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -31,10 +32,11 @@ BatchWatch::BatchWatch(std::filesystem::path out) : out_(std::move(out)) {
 }
 
 void BatchWatch::tick() {
-  if (std::chrono::steady_clock::now() - looked_ > std::chrono::seconds(2)) look();
+  if (std::chrono::steady_clock::now() - looked_ > between_) look();
 }
 
 void BatchWatch::look() {
+  const auto begin = std::chrono::steady_clock::now();
   try {
     const BatchFolder batch = read_batch(out_);
     tell_runs(batch);
@@ -42,6 +44,8 @@ void BatchWatch::look() {
   } catch (const InputError&) {  // a file that is being replaced: it is read at the next look
   }
   looked_ = std::chrono::steady_clock::now();
+  between_ = std::max<std::chrono::steady_clock::duration>(std::chrono::seconds(2),
+                                                           20 * (looked_ - begin));
 }
 
 void BatchWatch::tell_runs(const BatchFolder& batch) {

@@ -13,7 +13,7 @@ class BatchWatch {
  public:
   /// Results that exist already are not printed.
   explicit BatchWatch(std::filesystem::path out);
-  /// Looks every two seconds, however often it is called.
+  /// Looks every two seconds, or less often where that takes long, however often it is called.
   void tick();
   /// Looks now.
   void look();
@@ -26,6 +26,7 @@ class BatchWatch {
   std::set<std::filesystem::path> done_;
   std::set<std::string> failures_;
   std::chrono::steady_clock::time_point looked_;
+  std::chrono::steady_clock::duration between_{};
   bool silent_ = true;
 };
 

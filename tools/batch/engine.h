@@ -1,5 +1,5 @@
-// Runs Snakemake, or the workflow's one_by_one.py where it is not installed, as a child process of
-// `tessera batch`, and writes the workflow that is built into the program.
+// Snakemake as the engine of a batch on a cluster: a child process of `tessera batch` that runs
+// `tessera job` for each job of OUT/jobs.json, by the Snakefile that is built into the program.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -9,34 +9,17 @@
 
 namespace tessera {
 
-struct EngineRequest {
-  std::filesystem::path out;      // absolute; has batch.yaml and workflow/
-  std::string profile = "local";  // a folder of workflow/profiles, or a path
-  int64_t jobs = 0;               // at a time; 0: the profile's, one on a single machine
-  // of this machine, for profiles that run here
-  int64_t cores = 1, gpus = 0, memory_mb = 0;
-  bool dry_run = false;
-  std::string file = "batch.yaml";  // in `out`
-};
-
-/// Whether the profile runs jobs on this machine.
-bool runs_here(const EngineRequest& request);
-/// The command line, engine first. Errors: InputError: no such profile (lists those there are).
-std::vector<std::string> engine_arguments(const EngineRequest& request);
-/// As it would be typed into a shell.
-std::string shell_line(const std::vector<std::string>& arguments);
-
-/// Whether it is in PATH. Without it the jobs run one after the other on this machine.
-bool has_snakemake();
-/// Errors: InputError: no engine in PATH that can do what is asked for, with how to install it.
-void check_engine(const EngineRequest& request);
-
-/// Runs it to its end; its words go where ours go. It has a process group of its own, which gets
-/// one SIGINT when `stop` becomes true: trainings write their checkpoints, the engine waits for
-/// them. `tick` is called about ten times a second. Returns its exit code, 128 + signal where one
-/// ended it. Errors: InputError: it cannot be started.
-int run_engine(const std::vector<std::string>& arguments, const std::function<bool()>& stop,
-               const std::function<void()>& tick);
+/// Its command line, engine first. `profile`: a folder of workflow/profiles, or a path; `jobs`: at
+/// a time, 0: the profile's. Errors: InputError: Snakemake is not installed; no such profile (lists
+/// those there are).
+std::vector<std::string> engine_arguments(const std::filesystem::path& out,
+                                          const std::string& profile, int64_t jobs);
+/// Runs it to its end; its words go to `log`. It has a process group of its own, which gets one
+/// SIGINT when `stop` becomes true: trainings write their checkpoints, the engine waits for them.
+/// `tick` is called about ten times a second. Returns its exit code, 128 + signal where one ended
+/// it. Errors: InputError: it cannot be started; WriteError: nor its log.
+int run_engine(const std::vector<std::string>& arguments, const std::filesystem::path& log,
+               const std::function<bool()>& stop, const std::function<void()>& tick);
 
 /// Writes them below `folder`; scripts (#!) may be executed. A file that is there with the same
 /// bytes is left alone. Errors: InputError: the folder cannot be written.

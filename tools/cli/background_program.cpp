@@ -2,6 +2,8 @@
 #include "tools/cli/background_program.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spawn.h>
 
 #include <cerrno>
@@ -44,6 +46,22 @@ pid_t start_in_background(const std::filesystem::path& program,
   if (error == 0) return child;
   errno = error;
   return -1;
+}
+
+std::string shell_line(const std::vector<std::string>& arguments) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./=,:+@%";
+  const auto quoted = [](const std::string& argument) {
+    std::string word;
+    for (char c : argument) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return fmt::format("'{}'", word);
+  };
+  std::vector<std::string> words;
+  for (const std::string& argument : arguments) {
+    const bool plain = !argument.empty() && argument.find_first_not_of(kPlain) == std::string::npos;
+    words.push_back(plain ? argument : quoted(argument));
+  }
+  return fmt::format("{}", fmt::join(words, " "));
 }
 
 }  // namespace tessera

@@ -21,4 +21,7 @@ struct ProgramPlace {
 pid_t start_in_background(const std::filesystem::path& program,
                           const std::vector<std::string>& words, const ProgramPlace& place = {});
 
+/// Words as they would be typed into a shell.
+std::string shell_line(const std::vector<std::string>& words);
+
 }  // namespace tessera

@@ -24,6 +24,7 @@ void add_info_command(CLI::App& app, Work& work);
 void add_bench_command(CLI::App& app, Work& work);
 void add_synth_command(CLI::App& app, Work& work);
 void add_batch_command(CLI::App& app, Work& work);
+void add_job_command(CLI::App& app, Work& work);
 void add_report_command(CLI::App& app, Work& work);
 void add_view_command(CLI::App& app, Work& work);
 void add_env_command(CLI::App& app, Work& work);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -71,6 +72,12 @@ std::string evaluation_steps(std::string& text) {
   return "";
 }
 
+/// As an option of the command line has it.
+std::string with_dashes(std::string key) {
+  std::replace(key.begin(), key.end(), '_', '-');
+  return "--" + key;
+}
+
 }  // namespace
 
 void add_train_options(CLI::App& command, TrainArguments& arguments) {
@@ -100,6 +107,24 @@ void add_option_table(CLI::App& command, TrainArguments& arguments) {
   for (const TrainOption& row : train_option_table()) add_row(command, row, arguments);
   command.add_flag_callback(
       "--static", [&arguments] { arguments.given["motion"] = "none"; }, "same as --motion none");
+}
+
+std::vector<std::string> words_of(const TrainArguments& arguments) {
+  std::vector<std::string> words{"--preset", arguments.preset};
+  const auto add = [&](const std::string& option, const std::string& value) {
+    words.insert(words.end(), {option, value});
+  };
+  if (!arguments.ablation.empty()) add("--ablation", arguments.ablation);
+  if (!arguments.config.empty())
+    add("--config", std::filesystem::absolute(arguments.config).string());
+  for (const auto& [key, value] : arguments.given) add(with_dashes(key), value);
+  if (arguments.evaluate_every != 0)
+    add("--evaluate-every", arguments.evaluate_every == kNeverEvaluate
+                                ? kNever
+                                : fmt::format("{}", arguments.evaluate_every));
+  if (arguments.checkpoint_every)
+    add("--checkpoint-every", fmt::format("{}", *arguments.checkpoint_every));
+  return words;
 }
 
 PlannedOptions resolve_options(const TrainArguments& arguments, SceneFacts facts) {

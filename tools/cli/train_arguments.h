@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "ingest/clocks/windows.h"
 #include "recon4d/options/presets.h"
@@ -29,6 +30,8 @@ struct TrainArguments {
 void add_train_options(CLI::App& command, TrainArguments& arguments);
 /// Of these the option table alone, and --static.
 void add_option_table(CLI::App& command, TrainArguments& arguments);
+/// The words that say the same, without those of device and threads.
+std::vector<std::string> words_of(const TrainArguments& arguments);
 /// Defaults ← preset ← ablation ← --config ← command line; presets look at the scene. Errors:
 /// InputError.
 PlannedOptions resolve_options(const TrainArguments& arguments, SceneFacts facts);

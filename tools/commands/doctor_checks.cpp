@@ -23,8 +23,8 @@
 #include "recon4d/options/forecast.h"
 #include "recon4d/options/presets.h"
 #include "tools/cli/terminal.h"
-#include "tools/commands/windows_forecast.h"
 #include "tools/session/device_choice.h"
+#include "tools/windows/windows_forecast.h"
 
 namespace tessera {
 namespace {

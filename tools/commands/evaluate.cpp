@@ -39,6 +39,8 @@ namespace fs = std::filesystem;
 
 using nlohmann::json;
 
+constexpr const char* kAutoSplit = "auto";
+
 struct EvaluateRequest {
   std::vector<std::string> models;
   std::string scene, split, background, images, lpips, moving_masks, boxes, backend = "auto";
@@ -252,7 +254,8 @@ json evaluate_clip(const EvaluateRequest& request, const std::string& path, cons
     };
   const fs::path scene = scene_of_clip(request, folder, path);
   const SceneLock in_use(scene, SceneLock::Use::kRead);
-  json scores = score_windows(backend, clip.windows, scene, requested_splits(request), options);
+  json scores = score_windows(backend, clip.windows, scene, requested_splits(request), options,
+                              folder.exists() ? folder.static_scene() : fs::path());
   if (scores.empty())
     throw InputError(
         fmt::format("{}: no frames are held out; pass --split train to score what was "
@@ -274,6 +277,15 @@ json evaluate_clip(const EvaluateRequest& request, const std::string& path, cons
   return scores;
 }
 
+/// With the splits that `auto` means for that model.
+EvaluateRequest with_splits_of(EvaluateRequest request, const std::string& path) {
+  if (request.split != kAutoSplit) return request;
+  const fs::path scene = scene_of_clip(request, windows_folder_of(path), path);
+  const bool all_trained = held_out_splits(scene_without_pixels(scene, true)).empty();
+  request.split = all_trained ? name_of(Split::kTrain) : "";
+  return request;
+}
+
 void warn_of_changed_scene(const fs::path& model) {
   const WindowsFolder windows = windows_folder_of(model);
   const std::string changed =
@@ -290,7 +302,7 @@ void check_request(const EvaluateRequest& request) {
       throw InputError(fmt::format("--scales has {}; expected numbers above 0, as 0.5,1,2", scale));
   if (request.models.size() > 1 && !request.images.empty())
     throw InputError("--save-images takes one model; evaluate the runs one by one");
-  if (!request.split.empty()) parse_split(request.split);
+  if (!request.split.empty() && request.split != kAutoSplit) parse_split(request.split);
   if (!request.background.empty()) parse_background(request.background);
   if (!request.moving_masks.empty()) require_folder(request.moving_masks);
 }
@@ -318,8 +330,9 @@ int evaluate_command(const EvaluateRequest& request) {
     Lpips* const network = lpips ? &*lpips : nullptr;
     const std::optional<ClipModels> clip = clip_of(model);
     if (request.scene.empty()) warn_of_changed_scene(model);
-    runs.push_back(clip ? evaluate_clip(request, model, *clip, network, *backend, lines)
-                        : evaluate_model(request, model, network, *backend, lines));
+    const EvaluateRequest asked = with_splits_of(request, model);
+    runs.push_back(clip ? evaluate_clip(asked, model, *clip, network, *backend, lines)
+                        : evaluate_model(asked, model, network, *backend, lines));
     text += several ? fmt::format("{}\n{}\n", model, lines) : lines;
   }
   if (!several) {
@@ -347,7 +360,9 @@ void add_evaluate_command(CLI::App& app, Work& work) {
   command->add_option(
       "--scene", request->scene,
       "prepared scene or D-NeRF folder; default: the one that the run was trained on");
-  command->add_option("--split", request->split, "test, val or train; default: all held-out ones");
+  command->add_option("--split", request->split,
+                      "test, val or train; default: all held-out ones; auto: these, or training "
+                      "views where nothing is held out");
   command
       ->add_option("--scales", request->scales,
                    "sizes to score at, by that of training: 0.5,1,2; larger ones need a model that "

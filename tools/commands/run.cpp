@@ -21,7 +21,6 @@
 #include "tools/run/run_summary.h"
 #include "tools/view/view_server.h"
 #include "tools/windows/window_choice.h"
-#include "tools/windows/window_workers.h"
 
 namespace tessera {
 namespace {

@@ -12,7 +12,8 @@
 #include "kernels/base/parallel.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/options/presets.h"
-#include "tools/batch/engine.h"
+#include "tools/cli/backend_options.h"
+#include "tools/cli/background_program.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/output_place.h"
@@ -32,9 +33,8 @@
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
 #include "tools/view/view_server.h"
+#include "tools/windows/cut_for_run.h"
 #include "tools/windows/train_windows.h"
-#include "tools/windows/window_choice.h"
-#include "tools/windows/window_workers.h"
 #include "tools/windows/windows_result.h"
 
 namespace tessera {
@@ -119,18 +119,18 @@ struct Parsed {
 };
 
 /// --windows of more than one: the exit code; nothing where the clip is trained as a whole.
-std::optional<int> train_in_windows(const Parsed& parsed) {
+std::optional<int> train_in_windows(const Parsed& parsed, const std::string& files) {
   const TrainRequest& request = parsed.request;
   check_gpus(parsed.gpus, parsed.arguments.backend);
   if (parsed.windows == "none") return std::nullopt;
-  const Motion motion =
-      resolve_options(parsed.arguments, request.scene, request.window).options.motion;
+  const TrainOptions options = resolve_options(parsed.arguments, request.scene).options;
   const WindowChoice choice =
-      choose_windows(parsed.windows, request.scene, motion, request.run, parsed.gpus);
+      cut_for_run(parsed.windows, request.scene, files, options.motion, request.run, parsed.gpus);
   if (choice.count <= 1) {
     if (!choice.reason.empty()) say(choice.reason);
     return std::nullopt;
   }
+  check_max_bytes(request.scene.string(), options.max_bytes);
   for (const auto& [given, name] : {std::pair{!parsed.window.empty(), "--window"},
                                     {!request.static_model.empty(), "--static-model"},
                                     {parsed.resume == "true", "--resume"},
@@ -143,6 +143,7 @@ std::optional<int> train_in_windows(const Parsed& parsed) {
   windows.scene = request.scene;
   windows.root = request.run;
   windows.arguments = parsed.arguments;
+  windows.files = files;
   windows.count = choice.count;
   windows.reason = choice.reason;
   windows.gpus = parsed.gpus;
@@ -164,7 +165,8 @@ int train_and_report(TrainRequest request, const Parsed& parsed) {
       const RunAction action = action_in(request.run, record_of(run, request.scene),
                                          nlohmann::json::parse(request.made_for), parsed.overwrite);
       if (action == RunAction::kDone) {
-        const nlohmann::json result = recorded_result(run);
+        nlohmann::json result = recorded_result(run);
+        result["done_before"] = true;
         print_result(parsed.json, result, training_text(result) + "\ndone before, unchanged");
         return kExitDone;
       }
@@ -222,7 +224,8 @@ void add_train_command(CLI::App& app, Work& work) {
       const TrainArguments& arguments = parsed->arguments;
       set_thread_count(arguments.threads);
       check_output_apart(request.run, request.scene);
-      if (const std::optional<int> done = train_in_windows(*parsed)) return *done;
+      const std::string files = key_of(file_stamps(request.scene));
+      if (const std::optional<int> done = train_in_windows(*parsed, files)) return *done;
       PlannedOptions planned = resolve_options(arguments, request.scene, request.window);
       if (request.resume) {
         const RunFolder run{request.run};
@@ -234,7 +237,7 @@ void add_train_command(CLI::App& app, Work& work) {
         request.window = run.window();
         request.static_model = run.static_model();
       }
-      take_arguments(arguments, std::move(planned), key_of(file_stamps(request.scene)), request);
+      take_arguments(arguments, std::move(planned), files, request);
       if (request.resume) request.made_for = RunFolder{request.run}.made_for();
       if (parsed->stop_after > 0) request.stop_after = parsed->stop_after;
       const bool more_steps =

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/json_file.h"
@@ -12,8 +13,9 @@
 
 namespace tessera {
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(JobUses, gpus, threads, memory_mb)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Job, name, words, needs, inputs, uses)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(JobUses, gpus, threads, memory_mb, minutes)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Job, name, words, needs, inputs, output, product,
+                                                uses)
 
 namespace {
 using nlohmann::json;
@@ -28,9 +30,10 @@ json read_record(const JobFolder& folder, const std::string& name) {
 
 bool is_done(const Job& job, const JobFolder& folder) {
   const json record = read_record(folder, job.name);
-  if (!record.value("done", false) || record.value("words", json()) != job.words ||
-      record.value("inputs", "") != job.inputs)
-    return false;
+  if (!record.value("done", false) || record.value("inputs", "") != job.inputs) return false;
+  std::error_code absent;
+  for (const std::string& file : {job.output, job.product})
+    if (!file.empty() && !std::filesystem::exists(folder.root / file, absent)) return false;
   return std::all_of(job.needs.begin(), job.needs.end(), [&](const std::string& need) {
     const json earlier = read_record(folder, need);
     return earlier.value("done", false) &&
@@ -38,9 +41,25 @@ bool is_done(const Job& job, const JobFolder& folder) {
   });
 }
 
+std::vector<Job> jobs_to_do(const std::vector<Job>& jobs, const JobFolder& folder) {
+  std::vector<Job> to_do;
+  std::set<std::string> names;
+  for (const Job& job : jobs) {
+    const bool again = std::any_of(job.needs.begin(), job.needs.end(),
+                                   [&](const auto& need) { return names.contains(need); });
+    if (!again && is_done(job, folder)) continue;
+    names.insert(job.name);
+    to_do.push_back(job);
+  }
+  return to_do;
+}
+
 void write_job_list(const std::vector<Job>& jobs, const JobFolder& folder) {
-  write_text_file(folder.list(),
-                  json{{"jobs", jobs}}.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
+  json names = json::array();
+  for (const Job& job : jobs_to_do(jobs, folder)) names.push_back(job.name);
+  write_text_file(folder.list(), json{{"jobs", jobs}, {"to_do", names}}.dump(
+                                     1, ' ', false, json::error_handler_t::replace) +
+                                     "\n");
 }
 
 std::vector<Job> read_job_list(const JobFolder& folder) {

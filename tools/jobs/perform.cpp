@@ -51,10 +51,66 @@ fs::path part_of(const fs::path& record) {
   return fs::path(record).replace_extension(".part");
 }
 
+/// Of the environment, for devices by their numbers among those that this program sees; "": none.
+std::string visible_devices(const std::vector<int>& gpus) {
+  if (gpus.empty()) return "";
+  const char* const visible = std::getenv("CUDA_VISIBLE_DEVICES");
+  std::istringstream list(visible == nullptr ? "" : visible);
+  std::vector<std::string> seen, names;
+  for (std::string name; std::getline(list, name, ',');) seen.push_back(name);
+  for (const int gpu : gpus)
+    names.push_back(size_t(gpu) < seen.size() ? seen[size_t(gpu)] : fmt::format("{}", gpu));
+  return fmt::format("CUDA_VISIBLE_DEVICES={}", fmt::join(names, ","));
+}
+
+constexpr const char* kNotEnded =
+    "ended without a word: out of memory or time, or its machine was lost (or it still runs)";
+
+/// Until its end is known.
+json begun_record(const Job& job, const JobFolder& folder, double seconds_before) {
+  json record = {{"words", job.words},
+                 {"inputs", job.inputs},
+                 {"needs", json::object()},
+                 {"at", std::chrono::system_clock::now().time_since_epoch().count()},
+                 {"seconds", seconds_before},
+                 {"done", false},
+                 {"exit_code", nullptr},
+                 {"message", kNotEnded}};
+  for (const std::string& need : job.needs)
+    record["needs"][need] = read_record(folder, need).value("at", json(0));
+  return record;
+}
+
+void write_record(const Job& job, const JobFolder& folder, const json& record) {
+  make_folder(folder.record(job.name).parent_path());
+  write_text_file(folder.record(job.name),
+                  record.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
+}
+
 }  // namespace
 
-RunningJob::RunningJob(const Job& job, const JobFolder& folder, std::optional<int> gpu)
-    : job_(job), folder_(folder), gpu_(gpu) {
+void record_refusal(const Job& job, const JobFolder& folder, const std::string& message) {
+  json record = begun_record(job, folder, 0);
+  record.update({{"exit_code", 1}, {"message", message}});
+  write_record(job, folder, record);
+}
+
+std::string last_line(const fs::path& log, int64_t begin) {
+  std::ifstream file(log, std::ios::binary);
+  file.seekg(begin);
+  std::string text{std::istreambuf_iterator<char>(file), {}}, last, error;
+  std::replace(text.begin(), text.end(), '\r', '\n');
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find_first_not_of(" \t") == std::string::npos) continue;
+    if (line.starts_with("tessera: ")) error = line;
+    last = line;
+  }
+  return error.empty() ? last : error;
+}
+
+RunningJob::RunningJob(const Job& job, const JobFolder& folder, const std::vector<int>& gpus)
+    : job_(job), folder_(folder), gpus_(gpus) {
   make_folder(folder.record(job.name).parent_path());
   make_folder(folder.log(job.name).parent_path());
   const fs::path log = folder.log(job.name);
@@ -71,8 +127,10 @@ void RunningJob::signal(int number) const {
 }
 
 void RunningJob::start() {
-  std::error_code ignored;
-  fs::remove(folder_.record(job_.name), ignored);
+  const json before = read_record(folder_, job_.name);
+  if (before.value("inputs", "") == job_.inputs) seconds_before_ = before.value("seconds", 0.0);
+  was_done_ = before.value("done", false);
+  write_record(job_, folder_, begun_record(job_, folder_, seconds_before_));
   const fs::path part = part_of(folder_.record(job_.name));
   const int output = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (output < 0) fail_to_write(part, errno);
@@ -83,12 +141,11 @@ void RunningJob::start() {
   log_begin_ = ::lseek(log_, 0, SEEK_END);
   kills_ = kills_for_memory();
   begin_ = std::chrono::steady_clock::now();
-  child_ = start_in_background(
-      folder_.program, words,
-      {.output = output,
-       .errors = log_,
-       .folder = folder_.root,
-       .variable = gpu_ ? fmt::format("CUDA_VISIBLE_DEVICES={}", *gpu_) : std::string()});
+  child_ = start_in_background(folder_.program, words,
+                               {.output = output,
+                                .errors = log_,
+                                .folder = folder_.root,
+                                .variable = visible_devices(gpus_)});
   const int reason = errno;
   ::close(output);
   if (child_ < 0)
@@ -98,7 +155,11 @@ void RunningJob::start() {
 
 std::optional<JobOutcome> RunningJob::poll() {
   if (child_ < 0) {  // a file system without locks has no second start either
-    if (::flock(log_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return std::nullopt;
+    if (::flock(log_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      has_waited_ = true;
+      return std::nullopt;
+    }
+    if (has_waited_ && is_done(job_, folder_)) return JobOutcome{};
     start();
   }
   int status = 0;
@@ -106,29 +167,13 @@ std::optional<JobOutcome> RunningJob::poll() {
   return end(status);
 }
 
-/// Its line of an error where there is one.
-std::string RunningJob::last_line() const {
-  std::ifstream file(folder_.log(job_.name), std::ios::binary);
-  file.seekg(log_begin_);
-  std::string text{std::istreambuf_iterator<char>(file), {}}, last, error;
-  std::replace(text.begin(), text.end(), '\r', '\n');
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    if (line.find_first_not_of(" \t") == std::string::npos) continue;
-    if (line.starts_with("tessera: ")) error = line;
-    last = line;
-  }
-  return !error.empty() ? error : !last.empty() ? last : "said nothing";
-}
-
 JobOutcome RunningJob::end(int status) {
   child_ = -1;
   JobOutcome outcome;
   outcome.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-  const fs::path record = folder_.record(job_.name), part = part_of(record);
+  const fs::path part = part_of(folder_.record(job_.name));
   json result = json::parse(read_text_file(part), nullptr, false);
   std::error_code ignored;
-  fs::remove(part, ignored);
   if (outcome.exit_code == 0 && result.is_discarded()) {
     outcome.exit_code = 1;
     outcome.message = "has ended without a result";
@@ -136,24 +181,34 @@ JobOutcome RunningJob::end(int status) {
     outcome.out_of_memory = kills_for_memory() > kills_;
     outcome.message = outcome.out_of_memory ? "was killed: out of memory" : "was killed";
   } else if (outcome.exit_code != 0) {
-    outcome.message = last_line();
+    outcome.message = last_line(folder_.log(job_.name), log_begin_);
+    if (outcome.message.empty()) outcome.message = "said nothing";
     outcome.out_of_memory = speaks_of_memory(outcome.message);
   }
-  json entry = {{"words", job_.words},
-                {"inputs", job_.inputs},
-                {"needs", json::object()},
-                {"at", std::chrono::system_clock::now().time_since_epoch().count()},
-                {"seconds", seconds_since(begin_)},
-                {"done", outcome.exit_code == 0}};
-  for (const std::string& need : job_.needs)
-    entry["needs"][need] = read_record(folder_, need).value("at", json(0));
-  if (outcome.exit_code == 0)
-    entry["result"] = std::move(result);
-  else
-    entry.update({{"exit_code", outcome.exit_code},
-                  {"message", outcome.message},
-                  {"out_of_memory", outcome.out_of_memory}});
-  write_text_file(record, entry.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
+  // a job that was done is begun anew, unless its command finds nothing left to do
+  const bool has_found = result.is_object() && result.value("done_before", false);
+  if (was_done_ && !has_found) seconds_before_ = 0;
+  json record = begun_record(job_, folder_, 0);
+  record["seconds"] = seconds_before_ + (was_done_ && has_found ? 0 : seconds_since(begin_));
+  record["done"] = outcome.exit_code == 0;
+  if (outcome.exit_code != 0) {
+    fs::remove(part, ignored);
+    record.update({{"exit_code", outcome.exit_code},
+                   {"message", outcome.message},
+                   {"out_of_memory", outcome.out_of_memory}});
+  } else {
+    record.erase("exit_code");
+    record.erase("message");
+    if (job_.output.empty()) {
+      fs::remove(part, ignored);
+      record["result"] = std::move(result);
+    } else {
+      const fs::path output = folder_.root / job_.output;
+      make_folder(output.parent_path());
+      fs::rename(part, output);
+    }
+  }
+  write_record(job_, folder_, record);
   return outcome;
 }
 

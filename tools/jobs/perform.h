@@ -4,8 +4,11 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/jobs/job.h"
 
@@ -17,19 +20,26 @@ struct JobOutcome {
   bool out_of_memory = false;
 };
 
+/// What a log from that byte on says last: its line of an error where there is one, or "".
+std::string last_line(const std::filesystem::path& log, int64_t begin = 0);
+
+/// The record of a job that was never started. Errors: WriteError.
+void record_refusal(const Job& job, const JobFolder& folder, const std::string& message);
+
 /// In a process group of its own: Ctrl-C does not reach it. It holds its log, and by an flock the
-/// job, also where this program is killed: a second start waits for it.
+/// job, also where this program is killed: a second start waits for it, and is done with it where
+/// the first was.
 class RunningJob {
  public:
-  /// `gpu`: the only CUDA device that it sees. Errors: WriteError, InputError: the log cannot be
-  /// written.
-  RunningJob(const Job& job, const JobFolder& folder, std::optional<int> gpu);
+  /// `gpus`: of the CUDA devices that this program sees, those that the command sees; none: all.
+  /// Errors: WriteError, InputError: the log cannot be written.
+  RunningJob(const Job& job, const JobFolder& folder, const std::vector<int>& gpus);
   RunningJob(const RunningJob&) = delete;
   RunningJob& operator=(const RunningJob&) = delete;
   ~RunningJob();
 
   const Job& job() const { return job_; }
-  std::optional<int> gpu() const { return gpu_; }
+  const std::vector<int>& gpus() const { return gpus_; }
   /// To the command and what it has started; to no process while it waits for an earlier start.
   void signal(int number) const;
   /// What came of it, once it has ended; its record is written then. Errors: WriteError.
@@ -38,14 +48,15 @@ class RunningJob {
  private:
   void start();
   JobOutcome end(int status);
-  std::string last_line() const;
 
   const Job job_;
   const JobFolder folder_;
-  const std::optional<int> gpu_;
+  const std::vector<int> gpus_;
   int log_ = -1;
   pid_t child_ = -1;
   int64_t log_begin_ = 0, kills_ = 0;  // bytes of the log; programs killed for memory
+  double seconds_before_ = 0;          // of earlier starts with the same inputs
+  bool was_done_ = false, has_waited_ = false;
   std::chrono::steady_clock::time_point begin_;
 };
 

@@ -14,23 +14,18 @@ namespace {
 class Runner {
  public:
   Runner(const JobFolder& folder, const JobSlots& slots, const JobsObserver& observer)
-      : folder_(folder), slots_(slots), observer_(observer), free_(slots) {}
+      : folder_(folder), observer_(observer), free_(slots) {}
 
   JobsOutcome run(const std::vector<Job>& jobs) {
-    std::set<std::string> stale;
-    for (const Job& job : jobs) {
-      const bool again = std::any_of(job.needs.begin(), job.needs.end(),
-                                     [&](const auto& need) { return stale.contains(need); });
-      if (!again && is_done(job, folder_)) continue;
-      stale.insert(job.name);
-      waiting_.push_back(job);
-    }
+    const std::vector<Job> to_do = jobs_to_do(jobs, folder_);
+    waiting_.assign(to_do.begin(), to_do.end());
     count_ = int64_t(waiting_.size());
     while (true) {
       pass_signal_on();
       start_what_fits();
       if (running_.empty()) break;
       look();
+      tell();
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
     return outcome_;
@@ -85,20 +80,23 @@ class Runner {
     if (std::any_of(job.needs.begin(), job.needs.end(),
                     [&](const auto& need) { return is_waited_for(need); }))
       return false;
-    return running_.empty() || (!runs_alone_ && !alone_.contains(job.name) && fits(job.uses));
+    return running_.empty() || (!runs_alone_ && !alone_.contains(job.name) && fits(uses_of(job)));
   }
 
-  void start(const Job& job) {
+  JobUses uses_of(const Job& job) const { return observer_.uses ? observer_.uses(job) : job.uses; }
+
+  void start(Job job) {
+    job.uses = uses_of(job);
     runs_alone_ = alone_.contains(job.name) || !fits(job.uses);
-    std::optional<int> gpu;
-    if (job.uses.gpus > 0 && !free_.gpus.empty()) {
-      if (slots_.gpus.size() > 1) gpu = free_.gpus.front();
+    std::vector<int> gpus;
+    for (int64_t i = 0; i < job.uses.gpus && !free_.gpus.empty(); ++i) {
+      gpus.push_back(free_.gpus.front());
       free_.gpus.erase(free_.gpus.begin());
     }
     free_.threads -= job.uses.threads;
     free_.memory_mb -= job.uses.memory_mb;
     if (observer_.on_start) observer_.on_start(job, ++number_, count_);
-    running_.push_back(std::make_unique<RunningJob>(job, folder_, gpu));
+    running_.push_back(std::make_unique<RunningJob>(job, folder_, gpus));
   }
 
   void look() {
@@ -109,23 +107,32 @@ class Runner {
         continue;
       }
       give_back(**running);
+      if (observer_.on_end) observer_.on_end((*running)->job(), *outcome);
       if (outcome->exit_code != 0) fail((*running)->job(), *outcome);
       running = running_.erase(running);
     }
+  }
+
+  void tell() {
+    constexpr std::chrono::seconds kBetween{1};
+    if (!observer_.on_look || running_.empty()) return;
+    if (std::chrono::steady_clock::now() - told_ < kBetween) return;
+    told_ = std::chrono::steady_clock::now();
+    std::vector<std::string> names;
+    for (const auto& running : running_) names.push_back(running->job().name);
+    observer_.on_look(names);
   }
 
   void give_back(const RunningJob& running) {
     const JobUses& uses = running.job().uses;
     free_.threads += uses.threads;
     free_.memory_mb += uses.memory_mb;
-    if (uses.gpus > 0 && free_.gpus.size() < slots_.gpus.size())
-      free_.gpus.push_back(running.gpu().value_or(slots_.gpus.front()));
+    free_.gpus.insert(free_.gpus.end(), running.gpus().begin(), running.gpus().end());
     runs_alone_ = false;
   }
 
   void fail(const Job& job, const JobOutcome& outcome) {
     const bool again = outcome.out_of_memory && passed_on_ == 0 && alone_.insert(job.name).second;
-    if (observer_.on_failure) observer_.on_failure(job, outcome);
     if (again) {
       waiting_.push_front(job);
       ++count_;
@@ -135,7 +142,6 @@ class Runner {
   }
 
   const JobFolder& folder_;
-  const JobSlots& slots_;
   const JobsObserver& observer_;
   JobSlots free_;
   std::list<Job> waiting_;
@@ -144,6 +150,7 @@ class Runner {
   bool runs_alone_ = false;
   int passed_on_ = 0;  // the last signal
   int64_t number_ = 0, count_ = 0;
+  std::chrono::steady_clock::time_point told_;
   JobsOutcome outcome_;
 };
 

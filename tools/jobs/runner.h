@@ -22,8 +22,12 @@ struct JobsOutcome {
 };
 
 struct JobsObserver {
+  /// What a job takes, asked before it is started; without it what the list states.
+  std::function<JobUses(const Job&)> uses;
   std::function<void(const Job&, int64_t number, int64_t count)> on_start;
-  std::function<void(const Job&, const JobOutcome&)> on_failure;
+  std::function<void(const Job&, const JobOutcome&)> on_end;
+  /// About once a second, with the names of the jobs that run.
+  std::function<void(const std::vector<std::string>& running)> on_look;
   /// Asked ten times a second: a signal for the jobs that run, each of which is passed on once,
   /// after which no job is started; 0: go on.
   std::function<int()> signal;

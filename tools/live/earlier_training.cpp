@@ -58,7 +58,8 @@ json recorded_result(const RunFolder& run) {
 namespace {
 
 RunRecord record_of_windows(const WindowsFolder& folder) {
-  const WindowsPlan plan = folder.read();
+  WindowsPlan plan = folder.read();
+  if (plan.request.is_object()) plan.request.emplace(kWindows, plan.windows.size());
   return {true, true, folder.missing(plan).empty(), plan.request};
 }
 

@@ -17,7 +17,6 @@
 #include "recon4d/options/train_options_json.h"
 #include "static3d/tessera4d/player_hints.h"
 #include "static3d/tessera4d/tessera4d.h"
-#include "tools/batch/engine.h"
 #include "tools/cli/background_program.h"
 #include "tools/live/live_folder.h"
 #include "tools/live/stopped_training.h"

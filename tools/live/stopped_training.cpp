@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "recon4d/model/checkpoint.h"
-#include "tools/batch/engine.h"
+#include "tools/cli/background_program.h"
 #include "tools/export/player_files.h"
 #include "tools/report/log_events.h"
 

@@ -39,8 +39,8 @@
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
 #include "tools/web/web_page.h"
+#include "tools/windows/cut_for_run.h"
 #include "tools/windows/train_windows.h"
-#include "tools/windows/window_choice.h"
 #include "tools/windows/windows_result.h"
 #include "tools/windows/windows_scores.h"
 
@@ -165,8 +165,8 @@ class Runner {
   }
 
   void choose_windows_of_scene() {
-    const WindowChoice choice =
-        choose_windows(request_.windows, scene_, planned_.options.motion, run_.root, request_.gpus);
+    const WindowChoice choice = cut_for_run(request_.windows, scene_, scene_key_,
+                                            planned_.options.motion, run_.root, request_.gpus);
     if (!choice.reason.empty()) say(choice.reason);
     windows_ = choice.count;
   }
@@ -182,6 +182,7 @@ class Runner {
       windows.scene = scene_;
       windows.root = run_.root;
       windows.arguments = request_.training;
+      windows.files = scene_key_;
       windows.count = windows_;
       windows.gpus = request_.gpus;
       json result = train_windows(windows);

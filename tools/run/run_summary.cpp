@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "tools/batch/engine.h"
+#include "tools/cli/background_program.h"
 #include "tools/cli/terminal.h"
 #include "tools/export/player_files.h"
 

@@ -110,6 +110,22 @@ void adopt_rules(const StaticModel& shared, TrainOptions& options) {
   options.sh_interval = 1;
 }
 
+void share_limits(const StaticModel& shared, int64_t count, const ShippedBytes& shipped_bytes,
+                  TrainOptions& options) {
+  const auto share = [&](int64_t& limit, int64_t of_static, const char* name, const char* unit) {
+    if (limit <= of_static)
+      throw InputError(fmt::format(
+          "--{} {}: is of the clip, whose static set has {} {} already; pass more, or train {} "
+          "with less",
+          name, limit, of_static, unit, shared.run.string()));
+    limit = of_static + std::max<int64_t>(1, (limit - of_static) / count);
+  };
+  if (options.max_gaussians > 0)
+    share(options.max_gaussians, shared.model.static_set.count(), "max-gaussians", "Gaussians");
+  if (options.max_bytes > 0)
+    share(options.max_bytes, shipped_bytes(shared.model), "max-bytes", "bytes");
+}
+
 void check_world(const StaticModel& shared, const Scene& scene) {
   const Similarity &ours = shared.model.prepared_from_source, &theirs = scene.prepared_from_source;
   if (ours.scale == theirs.scale && ours.rotation == theirs.rotation &&
@@ -121,22 +137,32 @@ void check_world(const StaticModel& shared, const Scene& scene) {
                   shared.run.string(), scene.path));
 }
 
-void adopt_light(const Scene& scene, StaticModel& shared, TrainOptions& options) {
-  constexpr double kLeastOfCamera = 0.03;
+std::map<std::string, LightGain> take_light(const Scene& scene, std::vector<Frame>& stills) {
   std::map<std::string, std::vector<const Frame*>> frames;
   for (const Frame& frame : scene.frames)
     if (!frame.image.data.empty()) frames[frame.camera_name].push_back(&frame);
-  LightGain sum = {0, 0, 0}, weights = {0, 0, 0};
-  for (Frame& still : shared.stills) {
+  std::map<std::string, LightGain> gains;
+  for (Frame& still : stills) {
     const std::vector<uint8_t> median = median_of(frames[still.camera_name]);
     if (median.size() != still.image.data.size()) continue;  // a held-out camera without pixels
     const LightGain gain = light_gain(median, still.image.data);
     still.image.data = times_light(still.image.data, gain);
-    if (still.split != Split::kTrain) continue;
-    shared.of_camera[still.camera_name] = gain;
+    gains[still.camera_name] = gain;
+  }
+  return gains;
+}
+
+void adopt_light(const Scene& scene, StaticModel& shared, TrainOptions& options) {
+  constexpr double kLeastOfCamera = 0.03;
+  const std::map<std::string, LightGain> gains = take_light(scene, shared.stills);
+  LightGain sum = {0, 0, 0}, weights = {0, 0, 0};
+  for (const Frame& still : shared.stills) {
+    const auto gain = gains.find(still.camera_name);
+    if (still.split != Split::kTrain || gain == gains.end()) continue;
+    shared.of_camera[still.camera_name] = gain->second;
     const LightGain learnt = learnt_gain(shared, still.camera_name);
     for (size_t c = 0; c < 3; ++c) {
-      sum[c] += learnt[c] * gain[c];
+      sum[c] += learnt[c] * gain->second[c];
       weights[c] += learnt[c];
     }
   }

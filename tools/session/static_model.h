@@ -12,6 +12,7 @@
 #include "recon4d/model/exposure.h"
 #include "recon4d/model/gaussian_set.h"
 #include "recon4d/options/train_options.h"
+#include "recon4d/reduction/size_limit.h"
 
 namespace tessera {
 
@@ -36,8 +37,18 @@ StaticModel load_static_model(const std::filesystem::path& run);
 /// static Gaussians, or frames of another scale or background.
 void adopt_rules(const StaticModel& shared, TrainOptions& options);
 
+/// Limits of size are those of the clip: what the static set leaves of one is shared by the `count`
+/// windows, and the limit of a window has the static set beside its part. Errors: InputError: it
+/// leaves nothing.
+void share_limits(const StaticModel& shared, int64_t count, const ShippedBytes& shipped_bytes,
+                  TrainOptions& options);
+
 /// Errors: InputError: the static set is of another world than `scene`.
 void check_world(const StaticModel& shared, const Scene& scene);
+
+/// Brings images of what stands still into the light of the window `scene`, each by the median of
+/// its camera's frames. Returns the factors of cameras that have frames with pixels.
+std::map<std::string, LightGain> take_light(const Scene& scene, std::vector<Frame>& stills);
 
 /// Puts the static set and its images into the light of the window `scene`: the mean of its
 /// training cameras, by the medians of their frames. Where the light of a camera differs by more

@@ -86,7 +86,11 @@ void share_static(TrainingSetup& setup, const TrainRequest& request) {
   if (request.static_model.empty()) return;
   setup.shared = load_static_model(request.static_model);
   check_world(*setup.shared, setup.scene);
-  if (!setup.previous) adopt_rules(*setup.shared, setup.options);
+  if (!setup.previous) {
+    adopt_rules(*setup.shared, setup.options);
+    share_limits(*setup.shared, request.window ? request.window->count : 1, request.shipped_bytes,
+                 setup.options);
+  }
   adopt_light(setup.scene, *setup.shared, setup.options);
   setup.scene.stills = setup.shared->stills;
 }

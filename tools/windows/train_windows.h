@@ -1,6 +1,5 @@
-// Trains a long clip window by window in one folder (tools/session/windows_folder.h). Any number of
-// programs may do so in the same folder, on one machine or several: each takes what no other has in
-// work, and what a killed one has left is resumed.
+// Trains a long clip in one folder (tools/session/windows_folder.h) as a list of jobs: what stands
+// still in it, its training, and the training of each window.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
@@ -14,6 +13,7 @@ namespace tessera {
 struct WindowsRequest {
   std::filesystem::path scene, root;
   TrainArguments arguments;
+  std::string files;  // the content of the scene, for kSceneFiles
   int64_t count = 2;
   std::string reason;      // why so many: said when the clip is cut
   int64_t gpus = 1;        // cards that train windows at once
@@ -22,10 +22,11 @@ struct WindowsRequest {
   Stopwatch stopwatch = running_stopwatch();
 };
 
-/// Returns when all windows are trained, by this program or another, or when it is stopped. What
-/// windows_result has, with `left` (it was stopped) and `continued` (whether an earlier program had
-/// begun). Errors: InputError: the folder holds what was made for another request; a window that
-/// cannot be trained, after all others have been.
+/// Returns when all windows are trained, or it is stopped: what windows_result has, with `left` (it
+/// was stopped) and `continued` (whether an earlier program had begun). Limits of size are those of
+/// the clip: the static set has half at most, and the windows share what it leaves. Errors:
+/// InputError: the folder holds what was made for another request; another program trains in it;
+/// what a window's training refuses, after all others have been trained.
 nlohmann::json train_windows(const WindowsRequest& request);
 
 }  // namespace tessera

@@ -9,14 +9,9 @@
 
 #include "ingest/clocks/windows.h"
 #include "ingest/ingest.h"
-#include "ingest/prepared/scene_reader.h"
-#include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "recon4d/options/forecast.h"
 #include "tools/session/clock/time_limit.h"
-#include "tools/session/device_choice.h"
-#include "tools/session/run_folder.h"
-#include "tools/session/windows_folder.h"
 
 namespace tessera {
 namespace {
@@ -111,45 +106,6 @@ WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t 
           fmt::format("windows: {:.1f} s are cut into {} windows of {:.1f} s; each holds "
                       "{:.2f} GB of images",
                       seconds, count, seconds / double(count), double(bytes_of(count)) / 1e9)};
-}
-
-namespace {
-
-/// Windows of the training that a folder holds; 0: none is there.
-int64_t windows_there(const std::filesystem::path& run) {
-  if (const WindowsFolder folder{run}; folder.exists())
-    return int64_t(folder.read().windows.size());
-  return std::filesystem::exists(RunFolder{run}.checkpoint()) ||
-                 std::filesystem::exists(RunFolder{run}.model())
-             ? 1
-             : 0;
-}
-
-}  // namespace
-
-WindowChoice choose_windows(const std::string& windows, const std::filesystem::path& scene,
-                            Motion motion, const std::filesystem::path& run, int64_t programs) {
-  const WindowWish wish = parse_windows(windows);
-  if (wish.kind == WindowWish::Kind::kNone) return {};
-  if (const int64_t count = windows_there(run); count > 0 && wish.kind == WindowWish::Kind::kAuto)
-    return {count, ""};
-  if (motion == Motion::kNone) {
-    if (wish.kind == WindowWish::Kind::kLength)
-      throw InputError(fmt::format(
-          "--windows {}: windows have what moves, and --static (--motion none) has nothing that "
-          "does; leave one of them out",
-          windows));
-    return {};
-  }
-  const WindowChoice choice =
-      choose_windows(wish, scene_without_pixels(scene, true), machine_memory() / programs);
-  if (choice.count <= 1 || is_prepared_scene(scene)) return choice;
-  const std::string reason =
-      "its times may be numbers of frames: `tessera ingest` has not prepared it";
-  if (wish.kind == WindowWish::Kind::kLength)
-    throw InputError(
-        fmt::format("--windows {}: {}: {}; prepare it first", windows, scene.string(), reason));
-  return {1, whole_clip_text(reason)};
 }
 
 }  // namespace tessera

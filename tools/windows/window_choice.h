@@ -33,13 +33,6 @@ struct WindowChoice {
 /// windows of less than a few timesteps.
 WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t memory);
 
-/// The same of --windows and the scene in that folder, for this machine; `none` reads nothing. A
-/// clip in which nothing moves (`motion`) is trained as a whole. Where `run` holds a training
-/// already, `auto` is its cut: another machine has other memory, which `programs` share. Errors:
-/// InputError: a length where nothing moves, too.
-WindowChoice choose_windows(const std::string& windows, const std::filesystem::path& scene,
-                            Motion motion, const std::filesystem::path& run, int64_t programs);
-
 /// Of all splits together, by the numbers of their frames.
 int64_t timesteps_of(const Scene& scene);
 

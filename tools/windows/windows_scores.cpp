@@ -8,11 +8,14 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "ingest/prepared/scene_reader.h"
+#include "ingest/prepared/transforms_json.h"
 #include "recon4d/evaluation/border_scores.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
+#include "tools/session/static_model.h"
 #include "tools/windows/joined_report.h"
 
 namespace tessera {
@@ -26,10 +29,19 @@ struct SplitOfClip {
   BorderMeter borders;
 };
 
+/// Images and masks at the size of the model; none where there is no such scene.
+std::vector<Frame> stills_of(const fs::path& still_scene, double scale) {
+  if (!is_prepared_scene(still_scene)) return {};
+  SceneOptions options;
+  options.allow_static = true;
+  return scaled_scene(load_scene(still_scene, options), scale).frames;
+}
+
 }  // namespace
 
 json score_windows(Backend& backend, const WindowModels& models, const fs::path& scene_folder,
-                   const std::vector<Split>& splits, const EvaluateOptions& options) {
+                   const std::vector<Split>& splits, const EvaluateOptions& options,
+                   const fs::path& still_scene) {
   std::map<Split, SplitOfClip> of_clip;
   GaussianModel rules;  // the last model: its static set and rules are those of all
   int64_t dynamic = 0, most = 0;
@@ -39,7 +51,9 @@ json score_windows(Backend& backend, const WindowModels& models, const fs::path&
     GaussianModel model = models.load(int(i));
     SceneOptions core{.pixels_of = splits};
     core.window = Window{i, count, 0};
-    const Scene scene = scaled_scene(scene_for(model, {}, scene_folder, core), model.train_scale);
+    Scene scene = scaled_scene(scene_for(model, {}, scene_folder, core), model.train_scale);
+    scene.stills = stills_of(still_scene, model.train_scale);
+    take_light(scene, scene.stills);
     const Interval time = models.windows[size_t(i)].time;
     for (const Split split : splits) {
       if (scene.split_indices(split).empty()) continue;
@@ -79,7 +93,8 @@ json score_windows(Backend& backend, const WindowModels& models, const fs::path&
 json score_windows(Backend& backend, const WindowsFolder& folder, const std::vector<Split>& splits,
                    const EvaluateOptions& options) {
   const WindowModels models = clip_models(folder).windows;
-  return score_windows(backend, models, scene_of_windows(folder, folder.read()), splits, options);
+  return score_windows(backend, models, scene_of_windows(folder, folder.read()), splits, options,
+                       folder.static_scene());
 }
 
 }  // namespace tessera

@@ -1,8 +1,8 @@
 #!/bin/bash
 # Submits one job to Slurm and prints its id. The Snakefile computes the resources of the job.
-# usage: submit.sh NAME CORES MEM_MB MINUTES GPUS JOB.PY JOBSCRIPT
+# usage: submit.sh TAG.JOB CORES MEM_MB MINUTES GPUS TESSERA JOBSCRIPT
 set -euo pipefail
-name=$1 cores=$2 mem=$3 minutes=$4 gpus=$5 job_py=$6 script=$7
+name=$1 cores=$2 mem=$3 minutes=$4 gpus=$5 tessera=$6 script=$7
 
 # --- your cluster -------------------------------------------------------------------------------
 account=${TESSERA_SLURM_ACCOUNT:-}                      # empty: your default
@@ -24,6 +24,4 @@ trap 'rm -f "$refusal"' EXIT
 sbatch --parsable --requeue --dependency=singleton --open-mode=append \
   --job-name="$name" --output="logs/slurm/%j.log" --cpus-per-task="$cores" --mem="$mem" \
   --time="$((minutes < longest ? minutes : longest))" "${options[@]}" "$script" 2>"$refusal" && exit 0
-job=${name#*.} # TAG.RULE.SCENE PRESET SEED FORMAT
-read -ra words <<<"${job#*.}"
-python3 "$job_py" "${job%%.*}" "${words[@]}" --refused "$(tail -n 1 "$refusal")"
+"$tessera" job . "${name#*.}" --refused "$(tail -n 1 "$refusal")"

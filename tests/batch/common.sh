@@ -1,19 +1,16 @@
 #!/bin/bash
 # Shared functions of the batch tests: captures, runs, checks.
-# TESSERA: the program. ENGINE=one_by_one: as where Snakemake is not installed. KEEP=1: leave the
-# folder of the test.
+# TESSERA: the program. ENGINE=snakemake: by Snakemake on this machine, not by the program itself.
+# KEEP=1: leave the folder of the test.
 set -euo pipefail
 test_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-batch_folder=$(dirname "$test_folder")
 : "${TESSERA:?the program, e.g. TESSERA=build/release/tessera}"
 TESSERA=$(realpath "$TESSERA")
 skip() { echo "skip  $*" && exit 77; }
-one_by_one() { [[ ${ENGINE:-} == one_by_one ]]; }
-if one_by_one; then
-  python3 -c 'import yaml' 2>/dev/null || skip "no python3-yaml"
-else
+need_snakemake() {
   command -v snakemake >/dev/null || skip "no snakemake: apt-get install --no-install-recommends snakemake"
-fi
+}
+[[ ${ENGINE:-} != snakemake ]] || need_snakemake
 data=${TESSERA_DATA:-} # of third parties: shared/data beside a folder above, where there is one
 folder=$test_folder
 until [[ -n $data || $folder == / ]]; do
@@ -29,17 +26,6 @@ finish() { # runs at every end; on_exit is the test's own
 }
 on_exit() { :; }
 trap finish EXIT
-
-hide_snakemake() { # from `tessera batch`: PATH is one folder of links to all other programs
-  local folders folder
-  IFS=: read -ra folders <<<"$PATH"
-  mkdir "$work/bin"
-  for folder in "${folders[@]}"; do
-    find "$folder" -maxdepth 1 ! -type d ! -name 'snakemake*' -exec ln -st "$work/bin" {} + 2>/dev/null || true
-  done
-  PATH=$work/bin
-}
-if one_by_one; then hide_snakemake; fi
 
 check() { # TEXT COMMAND...: says what holds, ends the test where it does not
   if "${@:2}"; then echo "ok    $1"; else echo "WRONG $1" && exit 1; fi
@@ -64,16 +50,17 @@ make_capture() { # NAME SEED [FRAMES]: 48 x 36 pixels
 
 write_batch() { # OUT LINES...: batch.yaml
   mkdir -p "$1"
-  { echo "tessera: $TESSERA" && printf '%s\n' "${@:2}"; } >"$1/batch.yaml"
+  printf '%s\n' "${@:2}" >"$1/batch.yaml"
 }
 
-engine_of() { # OUT: engine becomes the words that start it, Snakemake with PROFILE (local)
-  if one_by_one; then
-    engine=(python3 "$batch_folder/one_by_one.py" --directory "$1")
-  else
-    engine=(snakemake -s "$batch_folder/Snakefile" --profile "$batch_folder/profiles/${PROFILE:-local}"
-      --directory "$1")
-    [[ -n ${PROFILE:-} ]] || engine+=(--cores 2)
+engine_of() { # OUT: engine becomes the words that start it, by Snakemake with PROFILE
+  engine=("$TESSERA" batch -o "$1")
+  if [[ ${ENGINE:-} == snakemake && -z ${PROFILE:-} ]]; then
+    mkdir -p "$work/profile"
+    printf 'cores: 2\nretries: 2\n' >"$work/profile/config.yaml"
+    engine+=(--profile "$work/profile")
+  elif [[ -n ${PROFILE:-} ]]; then
+    engine+=(--profile "$PROFILE")
   fi
 }
 
@@ -91,12 +78,8 @@ exit_code() { # COMMAND...: prints it
   echo "$code"
 }
 
-planned() { # OUT: the jobs that a run would do, sorted: "train a quick 1"
-  if one_by_one; then
-    flow "$1" --dry-run 2>&1 | sed '/^nothing is to do$/d' | sort
-  else
-    flow "$1" --dry-run -p 2>&1 | sed -n 's/^ *exec .*job\.py \(.*\) --threads.*/\1/p' | sort
-  fi
+planned() { # OUT: the jobs that a run would do, sorted: train/a/quick/seed-1
+  "$TESSERA" batch -o "$1" --dry-run 2>&1 | sed '/^nothing is to do$/d' | sort
 }
 
 lines() { printf '%s\n' "$@" | sort; }
@@ -105,4 +88,6 @@ models() { # without those that were replaced, which are kept as seed-N.1 and so
   (cd "$1" && find runs -name 'seed-*.*' -prune -o -name model.ply -print0 | sort -z | xargs -0 sha256sum)
 }
 
-failures() { find "$1/failures" -name '*.json' -printf '%f\n' | sort; }
+failures() { # OUT: jobs that were begun and are not done
+  (cd "$1/jobs" && { grep -rl --include='*.json' '"done": false' . || true; } | sed 's#^\./##; s#\.json$##' | sort)
+}

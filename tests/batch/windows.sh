@@ -1,8 +1,7 @@
 #!/bin/bash
-# A long clip of a batch is trained window by window, by as many jobs as are asked for; a short one
+# A long clip of a batch is trained window by window, with scores and files of the whole; a short one
 # beside it as a whole; another cut is another request.
-# Finds: windows without scores or files of the whole clip; a job beside the training that trains a
-# short clip again or fails; a batch that is never done; windows of an earlier cut that stay.
+# Finds: windows without scores or files of the whole clip; a batch that is never done; windows of an earlier cut that stay.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 "$TESSERA" synth room -o "$work/captures/long" --layout n3dv --cameras 4 --frames 48 --width 48 \
   --height 36 --supersampling 1 --points 300 >/dev/null 2>&1 || skip "no video encoder"
@@ -10,7 +9,7 @@ make_capture short 2
 out=$work/out
 settings() { # WINDOWS
   write_batch "$out" "captures: [../captures/*/]" "exports: [tessera]" "seeds: [1]" "threads: 1" \
-    "window_jobs: 2" "windows: $1" \
+    "windows: $1" \
     "presets: [{name: quick, preset: fast, options: {iterations: 12, batch: 1, init-points: 300, sweep: false}}]"
 }
 value() { # FILE KEY: null where there is none
@@ -26,10 +25,6 @@ check "and scores" same 2 "$(value $run/metrics.json windows)"
 check "and a file of both" same 2 "$(value exports/long/quick/seed-1/tessera.json windows)"
 check "there is no model of the whole clip" test ! -e "$out/$run/model.ply"
 check "the short clip is trained as a whole" test -e "$out/runs/short/quick/seed-1/model.ply"
-if ! one_by_one; then
-  check "the second job has done its part" same 2 "$(value $run/windows-1.json windows)"
-  check "and nothing of the short clip" same 1 "$(value runs/short/quick/seed-1/windows-1.json windows)"
-fi
 check "the report has both" same "2 of 2" \
   "$("$TESSERA" report "$out" 2>&1 | grep -o '2 of 2' | head -1)"
 before=$(models "$out")

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Ctrl-C of `tessera batch`: trainings leave their checkpoints, nothing lives on, the same command ends
+# Ctrl-C of `tessera batch`: trainings leave their checkpoints, nothing is left running, the same command ends
 # it. And a batch that runs is what it was when it began, whatever becomes of batch.yaml.
 source "$(dirname "$0")/common.sh"
 
@@ -20,7 +20,7 @@ for signal in INT TERM HUP; do
   code=0 && wait "$driver" || code=$?
   expected=75 && [[ $signal != INT ]] || expected=130
   check "its exit code" same "$expected" "$code"
-  check "nothing lives on" wait_for 5 test -z "$(alive)"
+  check "nothing is left running" wait_for 5 test -z "$(alive)"
   check "no report was waited for" test ! -e "$out/report"
   check "the same command ends it" batch "$out"
   check "from its checkpoint" grep -q '"initialisation":"checkpoint"' "$out/runs/room/fast/seed-1/log.jsonl"
@@ -31,6 +31,6 @@ out=$work/changed
 batch "$out" &
 driver=$!
 check "another: at work" wait_for 60 begun "$out"
-sed -i 's/"iterations": "2000"/"iterations": "30"/; s/"name": "room"/"name": "hall"/' "$out/batch.yaml"
+sed -i 's/"iterations": "2000"/"iterations": "30"/; s/"name": "room"/"name": "hall"/' "$out/batch.yaml" "$out/jobs.json"
 check "its end" wait "$driver"
 check "trained as it began" same "$(models "$work/whole")" "$(models "$out")"

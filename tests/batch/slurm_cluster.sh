@@ -25,7 +25,7 @@ alive() {
     [[ $(awk '{print $3}' "/proc/$pid/stat" 2>/dev/null) != Z ]]
 }
 
-free_port() {  # first port from $1 up that nobody listens on; stays below the ephemeral range
+free_port() {  # first port from $1 up that no process listens on; stays below the ephemeral range
     local p=$1
     while (exec 3<>"/dev/tcp/127.0.0.1/$p") 2>/dev/null; do p=$((p + 1)); done
     echo "$p"

@@ -1,5 +1,5 @@
 // The forecast of one window, as often as there are windows for a card.
-#include "tools/commands/windows_forecast.h"
+#include "tools/windows/windows_forecast.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #!/bin/bash
 # A batch on a disk that fills up: it ends with the reason and no exit code of success, whatever it was
-# writing; with room again the same command goes on to the model of a batch that nobody disturbed.
+# writing; with room again the same command continues to the model of a batch without it.
 if [[ -z ${OWN_MOUNTS:-} ]]; then
   own=(unshare --mount --propagation private)
   ((EUID == 0)) || own+=(--map-root-user)
@@ -36,5 +36,5 @@ for room in 16 48 128 256 512 1024 4096; do
 done
 check "$failed batches without room end as failures" test "$failed" -ge 3
 leave 262144
-check "with room it goes on" batch "$out"
+check "with room it continues" batch "$out"
 check "to the same model" same "$(models "$work/whole")" "$(models "$out")"
