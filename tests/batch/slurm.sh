@@ -46,7 +46,7 @@ check "as a job array" sbatch --quiet --wait --array=5-7:2 --cpus-per-task=1 --m
   --chdir="$work/array" --output="$work/array.%a.log" "$work/slurm_profile/array.sh" "$TESSERA"
 check "bit-equal models" same "$(models "$work/local")" "$(models "$work/array")"
 for task in 5 7; do
-  check "task $task: one scene" same 1 "$(grep -c 'seed 1 done' "$work/array.$task.log")"
+  check "task $task: one scene" same 1 "$(grep -c 'of 4 jobs are to do' "$work/array.$task.log")"
 done
 check "nothing is to do" same "" "$(planned "$work/array")"
 check "the report is written afterwards" "$TESSERA" report "$work/array"

@@ -47,10 +47,6 @@ before(async () => {
 });
 after(async () => {
   await browser?.close();
-  // a training that was resumed is no child of this process
-  const {origin, searchParams, port} = new URL(address);
-  const Cookie = `tessera_view_${port}=${searchParams.get('token')}`;
-  await fetch(`${origin}/api/stop`, {method: 'POST', headers: {Origin: origin, Cookie}}).catch(() => {});
   view?.kill();
   training?.kill();
 });
@@ -104,15 +100,11 @@ test('a phone sees the model and the numbers', async () => {
   await page.close();
 });
 
-// Bugs put back: snapshots of a training that was resumed are older than those before; one that was
-// resumed is resumed once more; each seen to fail.
-test('the page stops the training, which keeps a checkpoint, and resumes it', async () => {
+// Bug put back: no command where it has stopped; seen to fail.
+test('the page stops the training, which keeps a checkpoint, and says how it is resumed', async () => {
   const {page, problems} = await opened({width: 1280, height: 720});
   const status = (word) => page.waitForFunction(
       (part) => document.getElementById('status').innerText.includes(part), word);
-  const newest = () => page.evaluate(
-      async () => (await (await fetch('/api/state?seen=0')).json()).state.snapshot);
-  const before = await newest();
   await page.click('#stop');
   assert.equal(await training.ended, 75, training.err);
   assert.ok(existsSync(join(run, 'checkpoint.ckpt')));
@@ -120,16 +112,6 @@ test('the page stops the training, which keeps a checkpoint, and resumes it', as
   await status('of 200,000 steps');
   assert.match(await page.innerText('#resume'), /tessera train .* --resume/);
   await page.screenshot({path: place('stopped_1280.png')});
-  const step = await shownStep(page);
-  await page.click('#go');
-  await status('left');
-  const again = () => page.evaluate(async () => (await fetch('/api/resume', {method: 'POST'})).status);
-  assert.equal(await again(), 409);
-  assert.match(problems.errors.pop(), /409/);
-  await until(async () => (await shownStep(page)) > step, 'a model of the training that was resumed');
-  assert.ok((await newest()) <= before, 'its first ones');
-  await page.click('#stop');
-  await status('stopped');
   expectClean(problems);
   await page.close();
 });

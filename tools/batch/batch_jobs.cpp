@@ -63,6 +63,12 @@ class BatchJobs {
     add(std::move(job), 0, 2000, 240);
   }
 
+  /// A length is that of the clips that can be cut.
+  std::string windows() const {
+    const bool is_length = parse_windows(batch_.windows).kind == WindowWish::Kind::kLength;
+    return is_length ? "auto:" + batch_.windows : batch_.windows;
+  }
+
   static json stamps_of_files(const std::vector<std::string>& words) {
     json stamps = json::array();
     for (const std::string& word : words)
@@ -81,7 +87,7 @@ class BatchJobs {
     arguments.given["seed"] = fmt::format("{}", seed);
     const std::vector<std::string> options = words_of(arguments);
     train.words.insert(train.words.end(), options.begin(), options.end());
-    train.words.insert(train.words.end(), {"--windows", batch_.windows, "--backend", device});
+    train.words.insert(train.words.end(), {"--windows", windows(), "--backend", device});
     if (cards_ > 1) train.words.insert(train.words.end(), {"--gpus", fmt::format("{}", cards_)});
     if (!variant.time_limit.empty())
       train.words.insert(train.words.end(), {"--time-limit", variant.time_limit});

@@ -76,18 +76,15 @@ void add_run_command(CLI::App& app, Work& work) {
       if (request->view) require_view_server();
       check_request(*request);
       std::unique_ptr<ViewChild> view;
-      std::optional<nlohmann::json> result = run_stages(*request, view);
-      int code = stop_code();  // a signal that ends the view after the training does not count
-      while (!result && view && view->serve_until_resumed("the training was stopped by its page")) {
-        result = run_stages(*request, view);
-        code = stop_code();
-      }
+      const std::optional<nlohmann::json> result = run_stages(*request, view);
+      const int code = stop_code();  // a signal that ends the view later does not count
       if (!result) {
         report_error("tessera: interrupted; run the same command again to resume");
+        if (view) view->serve("where the training has stopped");
         return code;
       }
       print_result(request->json_output, *result, run_summary(*result, score_detail()));
-      if (view) view->serve();
+      if (view) view->serve("the result");
       return int(kExitDone);
     };
   });

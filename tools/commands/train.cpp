@@ -40,75 +40,18 @@
 namespace tessera {
 namespace {
 
-std::string steps_text(const nlohmann::json& result) {
-  return fmt::format("stopped after {} of {} steps", result["iterations"].get<int64_t>(),
-                     result["total_iterations"].get<int64_t>());
+std::string resumed_by(const TrainRequest& request) {
+  return shell_line(
+      {"tessera", "train", request.scene.string(), "-o", request.run.string(), "--resume"});
 }
 
 /// The last line of a training that left before its end; "" for one that has ended.
 std::string stopped_text(const TrainRequest& request, const nlohmann::json& result) {
   if (result["finished"].get<bool>()) return "";
-  return fmt::format("\n{}; resume with: tessera train {} -o {} --resume", steps_text(result),
-                     request.scene.string(), request.run.string());
+  return fmt::format("\nstopped after {} of {} steps; resume with: {}",
+                     result["iterations"].get<int64_t>(), result["total_iterations"].get<int64_t>(),
+                     resumed_by(request));
 }
-
-/// A training whose page may stop and resume it, with its view.
-class ViewedTraining {
- public:
-  /// `restarts`: where its checkpoint is refused, the folder is kept as RUN.1, and it begins again.
-  ViewedTraining(TrainRequest request, bool restarts, bool with_view, TrainingTerminal& terminal)
-      : request_(std::move(request)),
-        restarts_(restarts),
-        with_view_(with_view),
-        terminal_(terminal) {}
-
-  /// Until the end, or until it is left and nobody resumes it.
-  nlohmann::json train() {
-    nlohmann::json result = train_once();
-    while (!result["finished"].get<bool>() && view_ && (by_page_ || is_at_terminal()) &&
-           view_->serve_until_resumed(steps_text(result))) {
-      request_.resume = true;
-      request_.stop_after.reset();
-      request_.more_iterations.reset();
-      request_.time_limit = 0;
-      result = train_once();
-    }
-    return result;
-  }
-  const TrainRequest& request() const { return request_; }
-  /// Of the last training: a signal that ends the view after it does not count.
-  int exit_code() const { return exit_code_; }
-  void serve() const {
-    if (view_) view_->serve();
-  }
-
- private:
-  nlohmann::json train_once() {
-    LiveTraining live(terminal_, request_.run, [&] {
-      if (with_view_ && !view_) view_ = std::make_unique<ViewChild>(request_.run, by_hand());
-    });
-    request_.snapshots = &live;
-    nlohmann::json result =
-        restarts_ ? train_or_restart(request_, live) : train_session(request_, live);
-    by_page_ = live.stopped();
-    exit_code_ = interrupted()                ? stop_code()
-                 : result["left"].get<bool>() ? kExitNotFinished
-                                              : kExitDone;
-    return result;
-  }
-
-  std::string by_hand() const {
-    return shell_line(
-        {"tessera", "train", request_.scene.string(), "-o", request_.run.string(), "--resume"});
-  }
-
-  TrainRequest request_;
-  const bool restarts_, with_view_;
-  TrainingTerminal& terminal_;
-  std::unique_ptr<ViewChild> view_;
-  bool by_page_ = false;  // the last training was stopped by its page
-  int exit_code_ = kExitDone;
-};
 
 struct Parsed {
   TrainRequest request;
@@ -173,12 +116,19 @@ int train_and_report(TrainRequest request, const Parsed& parsed) {
       if (action == RunAction::kReplace) RunLock(request.run, terminal).make_room();
       request.resume = action == RunAction::kResume;
     }
-    ViewedTraining training(std::move(request), decides, parsed.view, terminal);
-    const nlohmann::json result = training.train();
-    print_result(parsed.json, result,
-                 training_text(result) + stopped_text(training.request(), result));
-    if (result["finished"].get<bool>()) training.serve();
-    return training.exit_code();
+    std::unique_ptr<ViewChild> view;
+    LiveTraining live(terminal, request.run, [&] {
+      if (parsed.view) view = std::make_unique<ViewChild>(request.run, resumed_by(request));
+    });
+    request.snapshots = &live;
+    const nlohmann::json result =
+        decides ? train_or_restart(request, live) : train_session(request, live);
+    const int code = interrupted()                ? stop_code()
+                     : result["left"].get<bool>() ? kExitNotFinished
+                                                  : kExitDone;
+    print_result(parsed.json, result, training_text(result) + stopped_text(request, result));
+    if (view) view->serve(result["finished"].get<bool>() ? "the result" : "where it has stopped");
+    return code;
   } catch (const CheckpointRefused& error) {
     report_error(fmt::format("tessera: {}", error.what()));
     return kExitCheckpointRefused;
@@ -204,8 +154,9 @@ void add_train_command(CLI::App& app, Work& work) {
   command.add_option("--window", parsed->window,
                      "I/N: the I-th of N equal parts of the clip alone");
   command
-      .add_option("--windows", parsed->windows,
-                  "auto, none, or a length: the whole clip in windows, 5s")
+      .add_option(
+          "--windows", parsed->windows,
+          "auto, none, or a length: the whole clip in windows, 5s; auto:5s: where it can be cut")
       ->capture_default_str();
   add_gpus_option(command, parsed->gpus);
   command.add_option("--static-model", parsed->request.static_model,

@@ -14,7 +14,6 @@
 #include <optional>
 #include <sstream>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -123,7 +122,7 @@ struct ViewArguments {
   int port = 0;
   std::vector<std::string> allowed_hosts;
   bool no_browser = false, json = false;
-  std::string resumed_by;  // in a terminal; "": no training has this view for its own
+  std::string resumed_by;  // a command; "": no training has this view for its own
 };
 
 bool is_set(const char* variable) {
@@ -177,23 +176,10 @@ void print_address(const ViewArguments& arguments, const ListeningSocket& socket
                     kind == "training" ? "; the training continues" : ""));
 }
 
-/// Passes a request of the page on to the training that has this view for its own and reads what it
-/// prints.
-bool request_resume() {
-  constexpr std::string_view kRequest = "resume\n";
-  return ::write(STDOUT_FILENO, kRequest.data(), kRequest.size()) == ssize_t(kRequest.size());
-}
-
 /// Whether nobody reads what this process prints: the training that has this view has ended.
 bool has_no_reader() {
   pollfd out{STDOUT_FILENO, 0, 0};
   return ::poll(&out, 1, 0) > 0 && (out.revents & POLLERR) != 0;
-}
-
-std::unique_ptr<LiveWatch> watch_of(const ViewSource& source, const ViewArguments& arguments) {
-  if (arguments.resumed_by.empty()) return std::make_unique<LiveWatch>(source.run, source.folder);
-  return std::make_unique<LiveWatch>(source.run, source.folder, arguments.resumed_by,
-                                     request_resume);
 }
 
 /// The pages and answers of a training that is watched.
@@ -203,10 +189,9 @@ void watch_training(LiveWatch& watch, ViewState& state) {
   fill_place(data, "null", "\"live\"");
   fill_place(state.live_page, kReportData, data);
   state.player_page = page_of_folder({});
-  state.live = LiveHooks{[&watch](int64_t seen) { return watch.state(seen); },
-                         [&watch] { return watch.report(); },
-                         [&watch](int64_t view) { return watch.truth(view); },
-                         [&watch] { return watch.stop(); }, [&watch] { return watch.resume(); }};
+  state.live = LiveHooks{
+      [&watch](int64_t seen) { return watch.state(seen); }, [&watch] { return watch.report(); },
+      [&watch](int64_t view) { return watch.truth(view); }, [&watch] { return watch.stop(); }};
 }
 
 int view(const ViewArguments& arguments) {
@@ -222,7 +207,7 @@ int view(const ViewArguments& arguments) {
   state.start = source.start;
   std::unique_ptr<LiveWatch> watch;  // outlives the server, which calls it
   if (source.kind == "training") {
-    watch = watch_of(source, arguments);
+    watch = std::make_unique<LiveWatch>(source.run, source.folder, arguments.resumed_by);
     watch_training(*watch, state);
   }
   state.run =
@@ -269,8 +254,8 @@ void add_view_command(CLI::App& app, Work& work) {
   command.add_flag("--json", arguments->json, "print the address as a JSON object");
   command
       .add_option("--resumed-by", arguments->resumed_by,
-                  "of a training with --view: what resumes it in a terminal; the training reads "
-                  "from stdout the address and the requests of the page to resume")
+                  "of a training with --view: the command that resumes it; the training reads the "
+                  "address from stdout")
       ->group("");
   command.callback([arguments, &work] { work = [arguments] { return view(*arguments); }; });
 }

@@ -2,7 +2,6 @@
 #include "tools/live/live_watch.h"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <cmath>
@@ -50,18 +49,13 @@ std::string address_of(const fs::path& path, const fs::path& served) {
 
 }  // namespace
 
-LiveWatch::LiveWatch(const fs::path& run, const fs::path& served)
-    : LiveWatch(run, served, "", {}) {}
-
-LiveWatch::LiveWatch(const fs::path& run, const fs::path& served, std::string by_hand,
-                     std::function<bool()> resume)
+LiveWatch::LiveWatch(const fs::path& run, const fs::path& served, std::string resumed_by)
     : run_{run},
       folder_(run),
       served_(served),
       name_(fs::weakly_canonical(served).filename().string()),
       truths_("live"),
-      by_hand_(std::move(by_hand)),
-      resume_(std::move(resume)) {
+      resumed_by_(std::move(resumed_by)) {
   thread_ = std::thread([this] {
     lower_priority(kNiceOfScores);
     const SerialSection serial;
@@ -105,7 +99,6 @@ std::string LiveWatch::state(int64_t seen) {
   }
   const bool alive = is_alive(now.has_value());
   const std::optional<LiveState>& state = last_;
-  is_requested_ = is_requested_ && !alive;
   json result = {{"alive", alive}, {"state", nullptr}, {"snapshot", ""}, {"resume", ""}};
   result["name"] = name_;
   if (state) {
@@ -118,7 +111,8 @@ std::string LiveWatch::state(int64_t seen) {
   result["complete"] = complete;
   result["page"] = complete && has_player_of(run_, served_) ? "/player/" : "";
   result["stopped"] = stopped ? json{{"step", stopped->step}, {"total", stopped->total}} : json();
-  if (stopped) result["resume"] = by_hand_.empty() ? shell_line(resume_words(run_)) : by_hand_;
+  if (stopped)
+    result["resume"] = resumed_by_.empty() ? shell_line(resume_words(run_)) : resumed_by_;
   result["views"] = json::array();
   for (size_t i = 0; i < views_.size(); ++i)
     result["views"].push_back(truth_json(scene_.frames[i], fmt::format("/api/truth?view={}", i)));
@@ -165,20 +159,6 @@ bool LiveWatch::stop() {
 /// What was written by one that was killed, or is removed in the end, is no sign of life.
 bool LiveWatch::is_alive(bool has_state) const {
   return (last_ && has_state && Clock::now() - counted_ < kAliveFor) || is_run_locked(run_.root);
-}
-
-bool LiveWatch::resume() {
-  const std::lock_guard held(mutex_);
-  if (is_alive(folder_.state().has_value()) || !stopped_training(run_)) return false;
-  if (!resume_) return start_again();
-  if (is_requested_) return false;
-  return is_requested_ = resume_();
-}
-
-bool LiveWatch::start_again() {
-  if (resumed_ > 0 && ::waitpid(resumed_, nullptr, WNOHANG) == 0) return false;
-  resumed_ = start_in_background("/proc/self/exe", resume_words(run_), {.output = STDERR_FILENO});
-  return resumed_ > 0;
 }
 
 /// Once the training shows something: its config.json is there then.

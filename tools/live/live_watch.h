@@ -1,12 +1,9 @@
 // The viewer's side of a training that is watched: its state, scores of its snapshots on held-out
-// views, its curves, and the requests to stop and to resume.
+// views, its curves, the request to stop, and the command that resumes it.
 #pragma once
-#include <sys/types.h>
-
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -27,11 +24,9 @@ namespace tessera {
 class LiveWatch {
  public:
   /// `served`: the folder that a server shows, in which the run folder lies or which it is.
-  LiveWatch(const std::filesystem::path& run, const std::filesystem::path& served);
-  /// The same of a training whose owner resumes it: `by_hand` is the command for a terminal, and
-  /// `resume` passes the request on, false where it cannot.
+  /// `resumed_by`: a command; "": that of the run.
   LiveWatch(const std::filesystem::path& run, const std::filesystem::path& served,
-            std::string by_hand, std::function<bool()> resume);
+            std::string resumed_by);
   LiveWatch(const LiveWatch&) = delete;
   LiveWatch& operator=(const LiveWatch&) = delete;
   ~LiveWatch();
@@ -48,17 +43,12 @@ class LiveWatch {
   /// PNG; "" where there is no such view.
   std::string truth(int64_t view) const;
   bool stop();
-  /// Requests it of the owner. Without one it starts a process that continues from the checkpoint
-  /// and does not end with this one. False: it runs, is complete, has no checkpoint or cannot be
-  /// started, or was requested already.
-  bool resume();
 
  private:
   using Clock = std::chrono::steady_clock;
 
   void ask(int64_t seen);
   bool is_alive(bool has_state) const;
-  bool start_again();
   void load_views();
   void score_snapshots();
   double score(const std::filesystem::path& file) const;
@@ -71,10 +61,7 @@ class LiveWatch {
 
   mutable std::mutex mutex_;
   LiveRequest request_;
-  const std::string by_hand_;
-  const std::function<bool()> resume_;  // of the owner; may be empty
-  bool is_requested_ = false;           // of the owner, and not followed by a training yet
-  pid_t resumed_ = -1;                  // without an owner
+  const std::string resumed_by_;
   Clock::time_point asked_;
   std::optional<LiveState> last_;  // that the training wrote
   Clock::time_point counted_;

@@ -34,18 +34,13 @@ std::string read_line(int descriptor) {
 
 }  // namespace
 
-bool is_at_terminal() {
-  return ::isatty(STDIN_FILENO) != 0;
-}
-
-ViewChild::ViewChild(const std::filesystem::path& shown, const std::string& by_hand)
-    : by_hand_(by_hand) {
+ViewChild::ViewChild(const std::filesystem::path& shown, const std::string& resumed_by) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) == 0) {
     from_view_ = OpenFile(ends[0]);
     const OpenFile of_child(ends[1]);
     child_ = start_in_background("/proc/self/exe",
-                                 {"tessera", "view", shown.string(), "--resumed-by", by_hand},
+                                 {"tessera", "view", shown.string(), "--resumed-by", resumed_by},
                                  {.output = ends[1]});
   }
   if (child_ < 0)
@@ -62,29 +57,18 @@ ViewChild::~ViewChild() {
   ::waitpid(child_, nullptr, 0);
 }
 
-/// Waits for the next. False: a signal came first, or the view has ended.
-bool ViewChild::read_request() const {
+/// Waits a while for it.
+bool ViewChild::has_ended() const {
   pollfd view{from_view_.descriptor(), POLLIN, 0};
-  while (!interrupted()) {
-    if (::poll(&view, 1, kPollMilliseconds) <= 0) continue;
-    return !read_line(view.fd).empty();
-  }
-  return false;
+  return ::poll(&view, 1, kPollMilliseconds) > 0;  // it writes nothing more
 }
 
-bool ViewChild::serve_until_resumed(const std::string& stopped) const {
-  if (interrupted() || address_.empty()) return false;
-  say(
-      fmt::format("view: {}; {} still answers, and its page resumes the training; Ctrl-C ends the "
-                  "view; to resume in a terminal: {}",
-                  stopped, address_, by_hand_));
-  return read_request();
-}
-
-void ViewChild::serve() const {
-  if (!is_at_terminal() || interrupted() || address_.empty()) return;
-  say(fmt::format("view: {} still shows the result; Ctrl-C ends the view", address_));
-  while (read_request()) {  // nothing is left to resume
+void ViewChild::serve(const std::string& what) const {
+  constexpr int kPolls = 30;  // a page asks once a second
+  if (interrupted() || address_.empty()) return;
+  const bool is_watched = ::isatty(STDIN_FILENO) != 0;
+  if (is_watched) say(fmt::format("view: {} still shows {}; Ctrl-C ends the view", address_, what));
+  for (int i = 0; (is_watched || i < kPolls) && !interrupted() && !has_ended(); ++i) {
   }
 }
 

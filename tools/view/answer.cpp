@@ -163,15 +163,9 @@ std::optional<ViewResponse> live_answer(const ViewRequest& request, const ViewSt
 
 /// Of a request that changes something; none: the address is none of these.
 std::optional<ViewResponse> posted(const ViewRequest& request, const ViewState& state) {
-  const char* const kText = "text/plain; charset=utf-8";
-  if (!state.live) return std::nullopt;
-  if (request.path == "/api/stop")
-    return state.live->stop() ? with_text(202, kText, "it will stop\n")
-                              : refusal(409, "no training is running");
-  if (request.path == "/api/resume")
-    return state.live->resume() ? with_text(202, kText, "it starts\n")
-                                : refusal(409, "no training has stopped with a checkpoint");
-  return std::nullopt;
+  if (!state.live || request.path != "/api/stop") return std::nullopt;
+  return state.live->stop() ? with_text(202, "text/plain; charset=utf-8", "it will stop\n")
+                            : refusal(409, "no training is running");
 }
 
 ViewResponse resource(const ViewRequest& request, const ViewState& state) {

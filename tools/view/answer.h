@@ -22,8 +22,6 @@ struct LiveHooks {
   std::function<std::string(int64_t view)> truth;
   /// Asks the training to save and leave, for `POST /api/stop`; false: none is running.
   std::function<bool()> stop;
-  /// Starts it from its checkpoint, for `POST /api/resume`; false: it runs, or has none.
-  std::function<bool()> resume;
 };
 
 /// The state of the server; constant while it runs.
@@ -43,7 +41,7 @@ constexpr uint64_t kMostBodyBytes = 4096;  // of a request
 /// Checks, in this order: Host (421), method (405), Origin (403), size of the body (413), token
 /// (403). Then GET and HEAD get `/api/run`, of a training that is watched the values of LiveHooks,
 /// or a file of the folder (200, 206, 416), or 404. Only
-/// `/api/stop` and `/api/resume` take a POST (202, 409; else 405).
+/// `/api/stop` takes a POST (202, 409; else 405).
 /// `/?token=T` with the right token sets a cookie, which stands for the token from then on, and
 /// leads to the same address without it (303).
 ViewResponse answer(const ViewRequest& request, const ViewState& state);

@@ -39,7 +39,7 @@ WindowChoice cut_for_run(const std::string& windows, const std::filesystem::path
           windows));
     return {};
   }
-  if (wish.kind == WindowWish::Kind::kAuto)
+  if (wish.kind == WindowWish::Kind::kAuto && wish.seconds == 0)
     if (const int64_t count = windows_there(run, scene, files); count > 0) return {count, ""};
   const WindowChoice choice =
       choose_windows(wish, scene_without_pixels(scene, true), machine_memory() / programs);

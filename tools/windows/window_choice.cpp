@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string_view>
 
 #include "ingest/clocks/windows.h"
 #include "ingest/ingest.h"
@@ -25,16 +26,18 @@ constexpr double kMemoryShare = 0.5;     // that the images of a training may ta
 WindowWish parse_windows(const std::string& text) {
   if (text == "none") return {};
   if (text == "auto") return {WindowWish::Kind::kAuto, 0};
+  constexpr std::string_view kAuto = "auto:";
+  const bool is_auto = text.starts_with(kAuto);
   double seconds = 0;
   try {
-    seconds = parse_duration(text);
+    seconds = parse_duration(is_auto ? text.substr(kAuto.size()) : text);
   } catch (const InputError&) {
     seconds = 0;
   }
   if (!(seconds > 0))
     throw InputError(
         fmt::format("--windows {}: expected auto, none, or the length of a window, e.g. 5s", text));
-  return {WindowWish::Kind::kLength, seconds};
+  return {is_auto ? WindowWish::Kind::kAuto : WindowWish::Kind::kLength, seconds};
 }
 
 int64_t timesteps_of(const Scene& scene) {
@@ -73,13 +76,13 @@ WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t 
   const int64_t bytes = load.image_bytes + load.mask_bytes + load.moving_mask_bytes,
                 timesteps = timesteps_of(scene);
   const auto room = int64_t(kMemoryShare * double(memory));
-  if (!is_asked && seconds <= kLongClip && bytes <= room) return {};
+  if (wish.seconds == 0 && seconds <= kLongClip && bytes <= room) return {};
   if (const std::string reason = reason_against_windows(scene); !reason.empty()) {
     if (is_asked)
       throw InputError(fmt::format("--windows: {}: {}; leave the option out", scene.path, reason));
     return {1, whole_clip_text(reason)};
   }
-  const double length = is_asked ? wish.seconds : kWindowSeconds;
+  const double length = wish.seconds > 0 ? wish.seconds : kWindowSeconds;
   auto count = int64_t(std::ceil(seconds / length - 1e-6));
   const int64_t most = std::max<int64_t>(1, timesteps / kLeastTimesteps);
   if (is_asked && count > most)

@@ -11,11 +11,11 @@
 
 namespace tessera {
 
-/// "none", "auto", or a length: "5s".
+/// "none", "auto", a length: "5s", or "auto:5s".
 struct WindowWish {
   enum class Kind { kNone, kAuto, kLength };
   Kind kind = Kind::kNone;
-  double seconds = 0;  // of kLength
+  double seconds = 0;  // of kLength; of kAuto: of every clip that can be cut; 0: of long ones
 };
 
 /// Errors: InputError naming --windows.
@@ -29,7 +29,7 @@ struct WindowChoice {
 /// `scene` lists the frames, without pixels. `memory`: bytes that a program can have. `auto`
 /// cuts a rig of fixed cameras where the clip is longer than 20 s, or where its images and masks
 /// would take more than half of the memory: into windows of about 5 s, shorter ones where these
-/// would not fit. Errors: InputError: a length for a capture that cannot be cut, or that makes
+/// would not fit; with a length any such rig into windows of about that. Errors: InputError: a length for a capture that cannot be cut, or that makes
 /// windows of less than a few timesteps.
 WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t memory);
 

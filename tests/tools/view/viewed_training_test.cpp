@@ -1,4 +1,4 @@
-// A training with --view: its page stops and resumes it, and follows it to its place. Source:
+// A training with --view: its page stops it, and says how it is resumed. Source:
 // docs/reference/player.md.
 #include <fcntl.h>
 #include <sys/file.h>
@@ -89,23 +89,25 @@ class ViewedTraining : public ::testing::Test {
   /// The state once it has stopped.
   static json stopped(ChildProcess& child, const Page& page) {
     EXPECT_EQ(page.post("/api/stop"), 202);
-    EXPECT_TRUE(child.wait_until([&] { return page.state()["resume"] != ""; }))
-        << child.err_so_far();
-    return page.state();
+    json state;
+    EXPECT_TRUE(child.wait_until([&] {
+      state = page.state();
+      return state["resume"] != "";
+    })) << child.err_so_far();
+    return state;
   }
 
   CliWorkspace work;
   ScratchFolder scratch;
 };
 
-// Bugs put back: the command ends with a training that its page has stopped; Ctrl-C behind it gives
-// 130; each seen to fail.
-TEST_F(ViewedTraining, ItsPageStopsAndResumesIt) {
+// Bugs put back: the page never learns that its training has stopped; a training that it stops is
+// interrupted by hand (130); each seen to fail.
+TEST_F(ViewedTraining, ItsPageStopsItAndSaysHowItIsResumed) {
   const Words words = command("train", "run", {"--view", "--iterations", "1000000"});
   ChildProcess child(words, scratch.path());
   const Page page = shown(child);
   EXPECT_TRUE(has(child, "view: Ctrl-C stops the training with a checkpoint and ends the view\n"));
-  const std::string first = id_of(page.state());
   const json state = stopped(child, page);
   const std::string by_hand =
       "tessera train " + work.at("capture") + " -o " + work.at("run") + " --resume";
@@ -113,28 +115,13 @@ TEST_F(ViewedTraining, ItsPageStopsAndResumesIt) {
   EXPECT_FALSE(state["complete"]);
   EXPECT_GT(state["stopped"]["step"], 0);
   EXPECT_EQ(state["stopped"]["total"], 1000000);
-  EXPECT_TRUE(child.wait_until([&] {
-    return has(child,
-               " still answers, and its page resumes the training; Ctrl-C ends the view; "
-               "to resume in a terminal: " +
-                   by_hand + "\n");
-  })) << child.err_so_far();
-  EXPECT_EQ(page.post("/api/resume"), 202);
-  EXPECT_EQ(page.post("/api/resume"), 409);
-  EXPECT_TRUE(child.wait_until([&] {
-    const std::string now = id_of(page.state());
-    return !now.empty() && now != first;
-  })) << child.err_so_far();
-  EXPECT_GT(stopped(child, page)["stopped"]["step"], state["stopped"]["step"]);
-  EXPECT_TRUE(child.running());
-  child.send(SIGINT);
   const ChildResult ended = child.wait();
   EXPECT_EQ(ended.exit_code, 75) << ended.err;
   EXPECT_NE(ended.out.find("resume with: " + by_hand), std::string::npos) << ended.out;
 }
 
-// Bug put back: the training alone is resumed; seen to fail.
-TEST_F(ViewedTraining, AWholeRunIsResumed) {
+// Bug put back: the command of the training alone; seen to fail.
+TEST_F(ViewedTraining, AWholeRunIsResumedByItsOwnCommand) {
   ChildProcess child(
       command("run", "out", {"--view", "--iterations", "20000", "--densify-until", "0"}),
       scratch.path());
@@ -142,13 +129,8 @@ TEST_F(ViewedTraining, AWholeRunIsResumed) {
   const std::string resume = stopped(child, page)["resume"];
   EXPECT_NE(resume.find(" run " + work.at("capture") + " -o "), std::string::npos) << resume;
   EXPECT_EQ(resume.find("--view"), std::string::npos) << resume;
+  EXPECT_EQ(child.wait().exit_code, 75);
   EXPECT_FALSE(fs::exists(work / "out/run/metrics.json"));
-  EXPECT_EQ(page.post("/api/resume"), 202);
-  ASSERT_TRUE(child.wait_until([&] { return !child.running(); })) << child.err_so_far();
-  const ChildResult ended = child.wait();
-  EXPECT_EQ(ended.exit_code, 0) << ended.err;
-  EXPECT_TRUE(fs::exists(work / "out/run/metrics.json"));
-  EXPECT_TRUE(fs::exists(work / "out/player/index.html"));
 }
 
 // Bug put back: the folder of the clip is taken for the run, so that nothing is there; seen to

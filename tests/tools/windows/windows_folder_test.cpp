@@ -72,6 +72,8 @@ TEST(Windows, AreChosenByLengthAndMemory) {
   EXPECT_EQ(choice("none", rig(750, 25), kMuch).count, 1);
   EXPECT_EQ(choice("2.5s", rig(300, 10), kMuch).count, 4);
   EXPECT_EQ(choice("60s", rig(300, 10), kMuch).count, 1);
+  EXPECT_EQ(choice("auto:2.5s", rig(300, 10), kMuch).count, 4);
+  EXPECT_EQ(choice("auto:0.1s", rig(300, 10), kMuch).count, 25) << "of 12 timesteps";
   // three images of 15,000 bytes a timestep, and a mask of what moves in each
   const Scene ten = rig(300, 10);
   EXPECT_EQ(forecast_load(ten).image_bytes, 300 * 45000);
@@ -93,6 +95,7 @@ TEST(Windows, AreForRigsThatStandStill) {
   const WindowChoice whole = choice("auto", moving, kMuch);
   EXPECT_EQ(whole.count, 1);
   EXPECT_NE(whole.reason.find("cam1 moves"), std::string::npos);
+  EXPECT_EQ(choice("auto:5s", moving, kMuch).count, 1);
   Scene alpha = rig(900, 30);
   alpha.had_alpha = true;
   EXPECT_NE(refusal("5s", alpha, kMuch).find("alpha"), std::string::npos);
@@ -100,7 +103,7 @@ TEST(Windows, AreForRigsThatStandStill) {
   for (Frame& frame : one.frames)
     if (frame.camera_name != "cam0") frame.split = Split::kTest;
   EXPECT_NE(refusal("5s", one, kMuch).find("one training camera"), std::string::npos);
-  for (const char* wrong : {"soon", "0s", "-3s", ""})
+  for (const char* wrong : {"soon", "0s", "-3s", "", "auto:", "auto:soon"})
     EXPECT_THROW(parse_windows(wrong), InputError) << wrong;
   EXPECT_NE(refusal("0.1s", rig(300, 10), kMuch).find("100 windows"), std::string::npos);
 }

@@ -1,5 +1,5 @@
 // The page of a running training, which `tessera view` serves: the model as it is now, numbers and
-// curves; it can stop the training and resume it.
+// curves; it can stop the training, and says how it is resumed.
 import { makeCharts, type Charts } from "./charts";
 import type { Run } from "./data";
 import { decisionsCard, warningsSection } from "./details";
@@ -58,10 +58,8 @@ class LivePage {
     hidden: true });
   private readonly numbers = make("div", { id: "numbers" });
   private readonly command = make("code");
-  private readonly go = button("Resume the training", () => this.post(this.go, "/api/resume"),
-    { id: "go" });
-  private readonly resume = make("div", { id: "resume", hidden: true }, this.go,
-    make("p", { class: "soft" }, "or by hand: ", this.command));
+  private readonly resume = make("p", { id: "resume", hidden: true }, "Resume it with: ",
+    this.command);
   private readonly curves = make("div", { id: "charts" });
   private readonly told = make("div");
   private charts: Charts | null = null;
@@ -169,8 +167,7 @@ class LivePage {
     if (page !== "") this.finished.href = page;
     this.resume.hidden = resume === "";
     this.command.textContent = resume;
-    if (alive) this.go.disabled = false;
-    else this.stop.disabled = false;
+    if (!alive) this.stop.disabled = false;
     if (!alive && known) this.empty.textContent = `${status[0].toUpperCase()}${status.slice(1)}.`;
     const share = complete ? 100 : state ? (100 * state.step) / Math.max(1, state.total) : 0;
     this.share.style.width = `${share}%`;
