@@ -54,7 +54,7 @@ prepare() { # what is left by a batch that is killed after ingest
   "$TESSERA" job "$out" ingest/room >/dev/null 2>&1
 }
 cp "$work/kept.png" "$capture/train/r_003.png"
-flow "$out" --profile slurm >/dev/null 2>&1 || true # writes the list, and has no cluster
+"$TESSERA" batch -o "$out" --profile slurm >/dev/null 2>&1 || true # writes the list, and has no cluster
 prepare
 check "stopped after ingest: the rest is to do" same \
   "$(grep -v ingest <<<"$everything")" "$(planned "$out")"

@@ -29,8 +29,8 @@ struct WindowChoice {
 /// `scene` lists the frames, without pixels. `memory`: bytes that a program can have. `auto`
 /// cuts a rig of fixed cameras where the clip is longer than 20 s, or where its images and masks
 /// would take more than half of the memory: into windows of about 5 s, shorter ones where these
-/// would not fit; with a length any such rig into windows of about that. Errors: InputError: a length for a capture that cannot be cut, or that makes
-/// windows of less than a few timesteps.
+/// would not fit; with a length any such rig into windows of about that. Errors: InputError: a
+/// length for a capture that cannot be cut, or that makes windows of less than a few timesteps.
 WindowChoice choose_windows(const WindowWish& wish, const Scene& scene, int64_t memory);
 
 /// Of all splits together, by the numbers of their frames.
