@@ -51,7 +51,9 @@ void take_arguments(const TrainArguments& arguments, PlannedOptions planned,
 
 json recorded_result(const RunFolder& run) {
   json result = last_result(run);
+  if (!result.is_object()) return result;
   result.erase("event");
+  result["model"] = run.model().string();  // the run may have been moved
   return result;
 }
 

@@ -106,16 +106,23 @@ class Runner {
   }
 
   json result() const {
+    // places are those of now: OUT may have been copied, or named from elsewhere
     json result = stages_.ledger().result("evaluate");
-    result["training"] = stages_.ledger().result("train");
-    result["camera_table"] = stages_.ledger().result("ingest").value("camera_table", json::array());
-    result["export"] = request_.export_frames > 0
-                           ? stages_.ledger().result("export")
-                           : json{{"folder", frames().string()}, {"frames", 0}, {"bytes", 0}};
-    if (carries_pages()) result["player"] = stages_.ledger().result("player");
-    if (stages_.ledger().is_finished(kReport.entry))
-      result["report"] = stages_.ledger().result("report")["page"];
     result["model"] = windows_ > 1 ? run_.root.string() : run_.model().string();
+    result["training"] = stages_.ledger().result("train");
+    result["training"][windows_ > 1 ? "folder" : "model"] = result["model"];
+    result["camera_table"] = stages_.ledger().result("ingest").value("camera_table", json::array());
+    result["export"] = request_.export_frames > 0 ? stages_.ledger().result("export")
+                                                  : json{{"frames", 0}, {"bytes", 0}};
+    result["export"]["folder"] = frames().string();
+    if (carries_pages()) {
+      result["player"] = stages_.ledger().result("player");
+      result["player"]["folder"] = player().string();
+    }
+    if (stages_.ledger().is_finished(kReport.entry)) {
+      const fs::path page = stages_.ledger().result("report")["page"].get<std::string>();
+      result["report"] = (root_ / "report" / page.filename()).string();
+    }
     result["metrics"] = run_.metrics().string();
     result["scene"] = scene_.string();
     result["out"] = request_.out.string();
@@ -254,6 +261,7 @@ class Runner {
   }
 
   fs::path frames() const { return root_ / "frames"; }
+  fs::path player() const { return root_ / "player"; }
 
   bool export_frames() {
     if (request_.export_frames == 0) {
@@ -277,7 +285,7 @@ class Runner {
           ": not written, because nodejs and npm were not found when this program was built"));
       return true;
     }
-    const fs::path folder = root_ / "player";
+    const fs::path folder = player();
     return stages_.done(
         kPage, of_training({{"title", request_.title}, {"description", request_.description}}),
         folder / kPageFile, [&] {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/cli/terminal.h"
-#include "tools/live/stopped_training.h"
+#include "tools/live/earlier_training.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {
@@ -18,11 +18,11 @@ json windows_result(const WindowsFolder& folder) {
   const WindowsPlan plan = folder.exists() ? folder.read() : WindowsPlan{};
   json parts = json::array();
   int64_t dynamic = 0, most = 0, bytes = 0;
-  json fixed = last_result(RunFolder{folder.static_run()});
+  json fixed = recorded_result(RunFolder{folder.static_run()});
   const int64_t statics = fixed.is_object() ? fixed.value("num_static", int64_t{0}) : 0;
   double seconds = fixed.is_object() ? fixed.value("seconds", 0.0) : 0;
   for (int64_t i = 0; i < int64_t(plan.windows.size()); ++i) {
-    json part = last_result(RunFolder{folder.window_run(i)});
+    json part = recorded_result(RunFolder{folder.window_run(i)});
     if (part.is_object()) {
       const auto count = part.value("num_dynamic", int64_t{0});
       dynamic += count;

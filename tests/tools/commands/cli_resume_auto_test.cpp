@@ -1,51 +1,32 @@
 // `tessera train`: what it does by what the run folder holds and what is asked for.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "tests/tools/commands/cli_workspace.h"
 
 namespace tessera::testing {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 class CliResumeAuto : public ::testing::Test {
  protected:
   const CliWorkspace work;
 };
 
-// Bugs put back: a finished run of another request replaced without --overwrite; done before though
-// the scene has changed; the key has the place of the scene; seen to fail.
-TEST_F(CliResumeAuto, DecidesByWhatIsThereAndWhatIsAskedFor) {
-  const auto train_auto = [&](std::vector<std::string> more) {
-    return work.train("run", std::move(more));
-  };
-  EXPECT_EQ(train_auto({"--stop-after", "2"}).exit_code, 0);
-  const auto rest = train_auto({});
-  EXPECT_EQ(rest.exit_code, 0);
-  EXPECT_NE(rest.err.find("initialised from checkpoint"), std::string::npos) << rest.err;
+// Bugs put back: done before though the scene has changed; the key has the place of the scene; seen
+// to fail.
+TEST_F(CliResumeAuto, KnowsASceneByItsContents) {
+  ASSERT_EQ(work.train("run").exit_code, 0);
   const auto model = fs::last_write_time(work / "run/model.ply");
-
-  const auto again = train_auto({});
-  EXPECT_EQ(again.exit_code, 0);
-  EXPECT_NE(again.out.find("done before, unchanged"), std::string::npos) << again.out;
-  EXPECT_EQ(fs::last_write_time(work / "run/model.ply"), model);
   fs::rename(work / "capture", work / "moved");
   auto moved = work.train_arguments("run", {});
   moved[1] = work.at("moved");
   EXPECT_EQ(work.run(moved).exit_code, 0) << "a copy of a scene is the same scene";
+  EXPECT_EQ(fs::last_write_time(work / "run/model.ply"), model);
   fs::rename(work / "moved", work / "capture");
 
-  work.expect_refused(work.train_arguments("run", {"--seed", "5"}),
-                      {"holds a finished run", "changed: seed 1 → 5", "--overwrite"});
-  EXPECT_EQ(fs::last_write_time(work / "run/model.ply"), model);
-  EXPECT_EQ(train_auto({"--seed", "5", "--overwrite"}).exit_code, 0);
-  EXPECT_GT(fs::last_write_time(work / "run/model.ply"), model);
   work.write("capture/transforms_train.json", work.read("capture/transforms_train.json") + " ");
-  work.expect_refused(work.train_arguments("run", {"--seed", "5"}),
-                      {"changed: the contents of the scene"});
+  work.expect_refused(work.train_arguments("run", {}), {"changed: the contents of the scene"});
 }
 
 // Bug put back: the steps that the training was begun with, though it was given more; seen to fail.
@@ -64,17 +45,6 @@ TEST_F(CliResumeAuto, KnowsWhatAResumedTrainingWasBegunWith) {
             0);
   work.expect_refused(work.train_arguments("run", {"--seed", "3"}),
                       {"changed: iterations 24 → 20"});
-}
-
-// Bug put back: an unfinished training of another request starts anew; seen to fail.
-TEST_F(CliResumeAuto, TheCheckpointOfAnotherRequestStays) {
-  EXPECT_EQ(work.train("run", {"--stop-after", "2"}).exit_code, 0);
-  const std::string checkpoint = work.read("run/checkpoint.ckpt");
-  work.expect_refused(work.train_arguments("run", {"--seed", "9"}),
-                      {"holds an unfinished run", "changed: seed 1 → 9", "--overwrite"});
-  EXPECT_EQ(work.train("run", {"--seed", "9", "--overwrite"}).exit_code, 0);
-  EXPECT_EQ(work.read("run.1/checkpoint.ckpt"), checkpoint);
-  EXPECT_EQ(json::parse(work.read("run/config.json"))["seed"], 9);
 }
 
 // Bug put back: a training is taken for finished where it has a model, and a checkpoint that cannot

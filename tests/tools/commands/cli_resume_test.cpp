@@ -306,35 +306,5 @@ TEST_F(CliResume, ARestartThatCannotBeginCostsNothing) {
   EXPECT_FALSE(fs::exists(work / "run.1"));
 }
 
-// Bugs put back, each seen to fail: the old result removed; its name taken again; files of somebody
-// left behind.
-TEST_F(CliResume, WhatIsReplacedIsKeptUnderAnotherName) {
-  ASSERT_EQ(train("whole", {"--seed", "7"}).exit_code, 0);
-  ASSERT_EQ(train("run").exit_code, 0);
-  work.write("run/metrics.json", "{}");
-  work.write("run/notes.txt", "of somebody");
-  const std::string model = work.read("run/model.ply"),
-                    checkpoint = work.read("run/checkpoint.ckpt");
-  const ChildResult stopped = train("run", {"--seed", "7", "--overwrite", "--stop-after", "9"});
-  ASSERT_EQ(stopped.exit_code, 0) << stopped.err;
-  EXPECT_NE(stopped.err.find("what was there is " + work.at("run.1") + " now"), std::string::npos)
-      << stopped.err;
-  EXPECT_TRUE(work.read("run.1/model.ply") == model);
-  EXPECT_TRUE(work.read("run.1/checkpoint.ckpt") == checkpoint);
-  EXPECT_EQ(work.read("run.1/notes.txt"), "of somebody");
-  EXPECT_FALSE(fs::exists(work / "run.1/lock"));
-  const ChildResult resumed = train("run", {"--seed", "7", "--overwrite", "--json"});
-  ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
-  EXPECT_NE(resumed.err.find("initialised from checkpoint"), std::string::npos) << resumed.err;
-  EXPECT_TRUE(work.read("run/model.ply") == work.read("whole/model.ply"));
-  EXPECT_EQ(fs::exists(work / "run/metrics.json"), false) << "of the old model";
-  EXPECT_FALSE(fs::exists(work / "run.2")) << "the same request goes on";
-  ASSERT_EQ(train("run", {"--seed", "8", "--overwrite"}).exit_code, 0);
-  EXPECT_TRUE(work.read("run.2/model.ply") == work.read("whole/model.ply"));
-  EXPECT_EQ(work.run({"train", work.at("capture"), "-o", work.at("run.1"), "--resume"}).exit_code,
-            0)
-      << "it is a run like any other";
-}
-
 }  // namespace
 }  // namespace tessera::testing

@@ -240,44 +240,6 @@ TEST_F(CliWindows, GoOnWhereTheyWereAndLoseNothing) {
   EXPECT_EQ(work.read("run/windows/0001/model.ply"), lost);
 }
 
-// What is here of another request, cut or training stays. Bugs put back, each seen to fail: a whole
-// clip is trained into a folder of windows, which then scores these; the reverse; the windows are
-// removed, not kept.
-TEST_F(CliWindows, AreKeptWhereTheyAreReplaced) {
-  work.run_json(train("run"));
-  const WrittenFiles before = work.written("run", "model.ply");
-  const std::vector<std::string> whole =
-      tiny({"train", work.at("scene"), "-o", work.at("run"), "--iterations", "12"}, {});
-  const auto with = [](std::vector<std::string> command, const std::vector<std::string>& more) {
-    command.insert(command.end(), more.begin(), more.end());
-    return command;
-  };
-  work.expect_refused(whole, {"holds a finished run", "windows 2 → 1", "--overwrite"});
-  std::ofstream(work / "run/metrics.json") << "{}";  // as `run` and `batch` leave it
-  EXPECT_EQ(work.run_json(train("run", {"--overwrite"}))["windows"], 2);
-  EXPECT_EQ(work.written("run", "model.ply"), before) << "the same request is done";
-  EXPECT_TRUE(fs::exists(work / "run/metrics.json"));
-  const std::vector<std::string> other{"--overwrite", "--lr-opacity", "0.04"};
-  const json made = work.run_json(train("run", other));
-  EXPECT_EQ(made["folder"], work.at("run"));
-  EXPECT_EQ(made["finished"], true);
-  EXPECT_FALSE(fs::exists(work / "run/metrics.json")) << "scores of other windows";
-  EXPECT_EQ(work.run_json({"evaluate", work.at("run.1"), "--backend", "cpu"})["windows"], 2);
-  const WrittenFiles after = work.written("run", "model.ply");
-  EXPECT_EQ(after.size(), before.size());
-  work.run_json(train("run", {"--lr-opacity", "0.04"}));
-  EXPECT_EQ(work.written("run", "model.ply"), after) << "the same request is done";
-
-  work.run_json(with(whole, {"--overwrite"}));
-  EXPECT_TRUE(fs::exists(work / "run/model.ply"));
-  EXPECT_FALSE(fs::exists(work / "run/windows.json"));
-  EXPECT_TRUE(fs::exists(work / "run.2/windows.json"));
-  work.expect_refused(train("run"), {"holds a finished run", "windows 1 → 2", "--overwrite"});
-  EXPECT_EQ(work.run_json(train("run", {"--overwrite"}))["windows"], 2);
-  EXPECT_TRUE(fs::exists(work / "run.3/model.ply"));
-  EXPECT_FALSE(fs::exists(work / "run/model.ply"));
-}
-
 // Finds: a stage of `run` that looks for one model; a second run that trains again. Bugs put back,
 // each seen to fail: views of all windows by the model of the first; a report without all windows
 // is an error.
