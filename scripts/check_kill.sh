@@ -124,7 +124,9 @@ class Batch:
                   "export/capture/fast/seed-1/tessera": "exports/capture/fast/seed-1/tessera"}
         done = [job for job in of_job
                 if (record := read(f"{out}/jobs/{job}.json")).get("done")
-                and record["inputs"] == read(f"{whole}/jobs/{job}.json")["inputs"]]
+                and record["inputs"] == read(f"{whole}/jobs/{job}.json")["inputs"]
+                and all(read(f"{out}/jobs/{need}.json").get("at") == at
+                        for need, at in record["needs"].items())]
         if "train/capture/fast/seed-1" not in done:  # what an older training has exported
             done = [job for job in done if job.startswith("ingest/")]
         return [(f"{whole}/{of_job[job]}", f"{out}/{of_job[job]}") for job in done]

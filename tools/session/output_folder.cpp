@@ -48,7 +48,8 @@ bool has_foreign_contents(const fs::path& folder, const std::string& command) {
   const fs::directory_iterator entries(folder, absent);
   return !listed_files(folder, command) &&
          std::any_of(begin(entries), end(entries), [](const fs::directory_entry& entry) {
-           return !is_staging_name(entry.path().filename().string(), kStem);
+           const std::string name = entry.path().filename().string();
+           return !(name.starts_with(".") && name.ends_with(".partial"));  // of a killed program
          });
 }
 
@@ -67,6 +68,7 @@ OutputFolder::OutputFolder(fs::path folder, const std::string& command,
                     folder_.string(), command_));
   earlier_ = listed_files(folder_, command_).value_or(std::vector<std::string>{});
   remove_stale_staging(folder_, kStem);
+  remove_partial_files(folder_);
   make_folder(staging_);
 }
 

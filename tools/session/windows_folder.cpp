@@ -81,9 +81,11 @@ WindowsPlan WindowsFolder::read() const {
     if (file.at("version").get<int>() > kVersion)
       throw InputError(fmt::format("{}: is of version {}, this program knows {}; use the newer one",
                                    plan_file().string(), file["version"].dump(), kVersion));
-    WindowsPlan plan{
-        file.at("scene").get<std::string>(),       file.at("overlap").get<int64_t>(), {}, {},
-        file.at("scene_files").get<std::string>(), file.value("request", json())};
+    WindowsPlan plan{file.at("scene").get<std::string>(),
+                     file.at("overlap").get<int64_t>(),
+                     {},
+                     {},
+                     file.value("request", json())};
     plan.clip = {file.at("time").at("origin").get<double>(),
                  file.at("time").at("duration").get<double>()};
     for (const json& window : file.at("windows"))
@@ -104,7 +106,6 @@ void WindowsFolder::write(const WindowsPlan& plan) const {
   json file = {{"format", "tessera-windows"},
                {"version", kVersion},
                {"scene", plan.scene},
-               {"scene_files", plan.scene_files},
                {"request", plan.request},
                {"overlap", plan.overlap},
                {"time", {{"origin", plan.clip.origin}, {"duration", plan.clip.duration}}},

@@ -20,8 +20,7 @@ struct WindowsPlan {
   int64_t overlap = Window().overlap;
   TimeAxis clip;
   std::vector<FileWindow> windows;
-  std::string scene_files;  // a hash of the scene's files
-  nlohmann::json request;   // that they are made for; null by a version that did not record it
+  nlohmann::json request;  // that they are made for; null by a version that did not record it
 
   Window window(int64_t index) const { return {index, int64_t(windows.size()), overlap}; }
 };

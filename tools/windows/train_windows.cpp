@@ -106,7 +106,6 @@ class WindowsTraining {
     plan_.scene = scene;
     plan_.clip = clip.time_axis;
     plan_.windows = cut_clip(clip, request_.count, plan_.overlap);
-    plan_.scene_files = request_.files;
     plan_.request = std::move(asked);
   }
 

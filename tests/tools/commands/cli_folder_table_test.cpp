@@ -113,7 +113,6 @@ TEST_F(CliFolderTable, OfTrain) {
       json{{"format", "tessera-windows"},
            {"version", 1},
            {"scene", work.at("capture")},
-           {"scene_files", ""},
            {"request", request},
            {"overlap", 8},
            {"time", {{"origin", 0}, {"duration", 1}}},

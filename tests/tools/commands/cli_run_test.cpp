@@ -229,6 +229,15 @@ TEST_F(CliRun, TrainRoundsThePsnrThatItPrints) {
   EXPECT_EQ(lines, 20);
 }
 
+// Bug put back: half of a file of ours is somebody's own, for which the run is refused; seen to fail.
+TEST_F(CliRun, WhatAKilledProgramLeftInThePlayerIsNoForeignFile) {
+  work.write("out/player/.tessera_output.json.12-3.partial", "{");
+  ASSERT_EQ(run().exit_code, 0);
+  if (plays()) {
+    EXPECT_FALSE(fs::exists(work / "out/player/.tessera_output.json.12-3.partial"));
+  }
+}
+
 // Bug put back: a begun stage starts over instead of resuming; seen to fail.
 TEST_F(CliRun, ResumesAStartedTraining) {
   ASSERT_EQ(run({"--checkpoint-every", "1"}).exit_code, 0);
@@ -240,21 +249,6 @@ TEST_F(CliRun, ResumesAStartedTraining) {
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_NE(again.err.find("initialised from checkpoint"), std::string::npos) << again.err;
   EXPECT_EQ(work.read("out/run/model.ply"), whole);
-}
-
-// Bug put back: the error of a refused checkpoint ends the run, every time; seen to fail.
-TEST_F(CliRun, SetsARefusedCheckpointAside) {
-  ASSERT_EQ(run({"--checkpoint-every", "1"}).exit_code, 0);
-  const std::string model = work.read("out/run/model.ply");
-  nlohmann::json stages = nlohmann::json::parse(work.read("out/stages.json"));
-  stages["train"]["done"] = false;
-  work.write("out/stages.json", stages.dump());
-  work.write("out/run/checkpoint.ckpt", "hours of work");
-  const ChildResult again = run({"--checkpoint-every", "1"});
-  ASSERT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_NE(again.err.find("the training starts anew"), std::string::npos) << again.err;
-  EXPECT_EQ(work.read("out/run.1/checkpoint.ckpt"), "hours of work");
-  EXPECT_EQ(work.read("out/run/model.ply"), model);
 }
 
 // Bug put back: an empty model is written without a word; seen to fail.
