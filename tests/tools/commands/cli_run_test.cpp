@@ -229,7 +229,7 @@ TEST_F(CliRun, TrainRoundsThePsnrThatItPrints) {
   EXPECT_EQ(lines, 20);
 }
 
-// Bug put back: half of a file of ours is somebody's own, for which the run is refused; seen to fail.
+// Bug put back: half of a file of ours is a foreign one, and the run is refused; seen to fail.
 TEST_F(CliRun, WhatAKilledProgramLeftInThePlayerIsNoForeignFile) {
   work.write("out/player/.tessera_output.json.12-3.partial", "{");
   ASSERT_EQ(run().exit_code, 0);
