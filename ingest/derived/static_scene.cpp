@@ -95,22 +95,23 @@ StillImage still_image(const SceneFiles& files, const std::vector<int>& frames) 
       throw InputError(
           fmt::format("{}: images have alpha, so that their background is known and none is shared",
                       scene.path));
-    CameraBackground::Images images;
-    for (const Frame& frame : scene.frames) images.push_back(&frame.image.data);
-    background.add_quarter(images);
+    CameraBackground::Images images, masks;
+    for (const Frame& frame : scene.frames) {
+      images.push_back(&frame.image.data);
+      masks.push_back(&frame.mask.data());
+    }
+    background.add_quarter(images, masks);
     if (quarter == 0) still.frame = std::move(scene.frames.front());
   }
   Image8& image = still.frame.image;
   image.data = background.image();
   Image8 mask{image.width, image.height, 1, {}};
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) {
-      const bool is_used = !still.frame.mask.ignores(x, y);
-      const bool is_shared = is_used && background.stays(mask.data.size());
-      mask.data.push_back(is_shared ? 255 : 0);
-      still.used += is_used;
-      still.shared += is_shared;
-    }
+  for (size_t p = 0; p < image.data.size() / 3; ++p) {
+    const bool is_shared = background.stays(p);
+    mask.data.push_back(is_shared ? 255 : 0);
+    still.used += background.is_used(p);
+    still.shared += is_shared;
+  }
   still.frame.mask = std::move(mask);
   still.frame.time = 0;
   return still;

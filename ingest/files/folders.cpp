@@ -104,10 +104,6 @@ std::string staging_name(const std::string& stem) {
   return fmt::format("{}{}{}", prefix_here(stem), ::getpid(), kSuffix);
 }
 
-bool is_staging_name(const std::string& name, const std::string& stem) {
-  return name.starts_with("." + stem + ".") && name.ends_with(kSuffix);
-}
-
 void remove_stale_staging(const std::filesystem::path& parent, const std::string& stem) {
   std::error_code ignored;
   std::vector<std::filesystem::path> stale;

@@ -18,9 +18,6 @@ inline std::string host_name() {
 /// ".STEM.HOST.PID.partial", the name for a folder of this process.
 std::string staging_name(const std::string& stem);
 
-/// Whether `name` is one for `stem`, of any process.
-bool is_staging_name(const std::string& name, const std::string& stem);
-
 /// Removes the folders for `stem` below `parent` whose process, of this machine, has ended.
 void remove_stale_staging(const std::filesystem::path& parent, const std::string& stem);
 

@@ -11,12 +11,6 @@ need_snakemake() {
   command -v snakemake >/dev/null || skip "no snakemake: apt-get install --no-install-recommends snakemake"
 }
 [[ ${ENGINE:-} != snakemake ]] || need_snakemake
-data=${TESSERA_DATA:-} # of third parties: shared/data beside a folder above, where there is one
-folder=$test_folder
-until [[ -n $data || $folder == / ]]; do
-  folder=$(dirname "$folder")
-  if [[ -d $folder/shared/data ]]; then data=$folder/shared/data; fi
-done
 work=$(mktemp -d "${TMPDIR:-/tmp}/tessera-batch.XXXXXX")
 
 finish() { # runs at every end; on_exit is the test's own

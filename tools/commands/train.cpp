@@ -154,9 +154,8 @@ void add_train_command(CLI::App& app, Work& work) {
   command.add_option("--window", parsed->window,
                      "I/N: the I-th of N equal parts of the clip alone");
   command
-      .add_option(
-          "--windows", parsed->windows,
-          "auto, none, or a length: the whole clip in windows, 5s; auto:5s: where it can be cut")
+      .add_option("--windows", parsed->windows,
+                  "auto, none, or a length, 5s; auto:5s: where it can be cut")
       ->capture_default_str();
   add_gpus_option(command, parsed->gpus);
   command.add_option("--static-model", parsed->request.static_model,

@@ -122,6 +122,29 @@ TEST_F(AStaticScene, HasWhatStaysAndMasksWhatIsMoved) {
   EXPECT_NEAR(report.shared, double(shared) / double(used), 1e-12);
 }
 
+// Masks of single frames, as programs of segmentation write them. Bugs put back, each seen to fail:
+// the mask of the first frame for all; what a mask ignores in the background.
+TEST_F(AStaticScene, CountsImagesWhoseMaskUsesThePixel) {
+  const auto masked = [&](const std::string& name, int from, int to) {
+    Image8 mask{kWidth, kHeight, 1, std::vector<uint8_t>(size_t{kWidth} * kHeight, 255)};
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = from; x < to; ++x) mask.data[size_t(y * kWidth + x)] = 0;
+    write_png(folder_ / ("scene/masks/" + name), mask);
+    return "masks/" + name;
+  };
+  const std::string most = masked("most.png", 4, kWidth), left = masked("l.png", 0, 8),
+                    none = masked("none.png", 0, 0);
+  // the second camera: most of its first frame is ignored; the left of all others but ten is
+  for (int i = 0; i < kMoments; ++i)
+    frames_[size_t(kMoments + i)]["mask_path"] = i == 0 ? most : i % 8 == 0 ? none : left;
+  write();
+  make();
+  const Scene scene = read();
+  for (int y = 4; y < 11; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      EXPECT_EQ(scene.frames[1].mask.ignores(x, y), x < 8) << x << " " << y;
+}
+
 // A figure that moves on one spot has the same medians in all quarters; noise alone moves nothing.
 // Bugs put back, each seen to fail: the figure in the background; noise of 15 levels that passes
 // for movement within a quarter; between quarters.
