@@ -100,7 +100,7 @@ test('a phone sees the model and the numbers', async () => {
   await page.close();
 });
 
-// Bug put back: no command where it has stopped; seen to fail.
+// Finds: no command where it has stopped.
 test('the page stops the training, which keeps a checkpoint, and says how it is resumed', async () => {
   const {page, problems} = await opened({width: 1280, height: 720});
   const status = (word) => page.waitForFunction(

@@ -122,8 +122,8 @@ TEST_F(AStaticScene, HasWhatStaysAndMasksWhatIsMoved) {
   EXPECT_NEAR(report.shared, double(shared) / double(used), 1e-12);
 }
 
-// Masks of single frames, as programs of segmentation write them. Bugs put back, each seen to fail:
-// the mask of the first frame for all; what a mask ignores in the background.
+// Masks of single frames, as programs of segmentation write them. Finds: the mask of the first
+// frame for all; what a mask ignores in the background.
 TEST_F(AStaticScene, CountsImagesWhoseMaskUsesThePixel) {
   const auto masked = [&](const std::string& name, int from, int to) {
     Image8 mask{kWidth, kHeight, 1, std::vector<uint8_t>(size_t{kWidth} * kHeight, 255)};

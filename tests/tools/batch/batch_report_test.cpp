@@ -162,7 +162,7 @@ TEST_F(BatchReport, AddsUpTheSecondsOfAllJobs) {
 }
 
 // Bugs put back: a failure of a whole scene matched by its empty preset alone; failures below the
-// scores; the scores of before beside a failure; each seen to fail.
+// scores; each seen to fail. Finds also: the scores of before beside a failure.
 TEST_F(BatchReport, ReportsWhatHasFailed) {
   fail("train/room/big/seed-2", 1, "loss is not finite");
   fail("train/room/fast/seed-1", 3, "x");
@@ -238,7 +238,7 @@ TEST_F(BatchReport, ReportsRunsWhoseRequestIsDamaged) {
             std::string::npos);
 }
 
-// Bug put back: without a list of jobs nothing is done; seen to fail.
+// Finds: without a list of jobs nothing is done.
 TEST_F(BatchReport, ReadsFoldersOfEarlierVersions) {
   std::filesystem::remove(folder / "jobs.json");
   std::filesystem::remove_all(folder / "jobs");

@@ -135,8 +135,8 @@ TEST(CliBatchSettings, StepsAndSplitsAreWrittenDown) {
                       {"other:vall", "no such"});
 }
 
-// What a person has written. Bugs put back, each seen to fail: a relative path from where the
-// command was typed; a word in quotes taken for a number; options of a row under those of the file.
+// What a person has written. Finds: a relative path from where the command was typed; a word in
+// quotes taken for a number; options of a row under those of the file.
 TEST(CliBatchSettings, BatchYamlMayBeWrittenByHand) {
   const CliWorkspace work;
   fs::create_directory(work / "out");
@@ -178,8 +178,8 @@ deterministic: true
   EXPECT_EQ(asked["variants"][1]["published"][0]["figures"]["psnr"], 24.72);
 }
 
-// Bugs put back, each seen to fail: an unknown key is passed over; a value that no
-// training takes is found by the first training.
+// Finds: an unknown key is passed over; a value that no training takes is found by the first
+// training.
 TEST(CliBatchSettings, WhatIsWrongInBatchYamlIsOneLine) {
   const CliWorkspace work;
   fs::create_directory(work / "out");

@@ -94,10 +94,9 @@ class CliFolderTable : public ::testing::Test {
   CliWorkspace work;
 };
 
-// Bugs put back, each seen to fail: what is of another request replaced unasked; removed, not kept;
-// a finished training of the same request trained again with --overwrite; an unfinished one of
-// another request begun anew; a clip in windows beside a training; files of somebody replaced;
-// --resume that starts.
+// Finds: what is of another request replaced unasked; removed, not kept; a finished training of the
+// same request trained again with --overwrite; an unfinished one of another request begun anew; a
+// clip in windows beside a training; files of somebody replaced; --resume that starts.
 TEST_F(CliFolderTable, OfTrain) {
   ASSERT_EQ(work.train("unfinished", {"--stop-after", "2"}).exit_code, 0);
   ASSERT_EQ(work.train("finished").exit_code, 0);
@@ -141,7 +140,7 @@ TEST_F(CliFolderTable, OfTrain) {
       }
 }
 
-// Bugs put back, each seen to fail: as above; the old run without its scores or pages.
+// Finds: as above; the old run without its scores or pages.
 TEST_F(CliFolderTable, OfRun) {
   const auto command = [&](const std::string& out, const Words& more) {
     Words words = work.train_arguments(out, more);

@@ -150,7 +150,7 @@ TEST_F(CliRun, ARunThatReplacesOneTakesItsScene) {
   EXPECT_EQ(begun(with_seed("9")), "");
 }
 
-// Bug put back: the places of the folder that was copied; seen to fail.
+// Finds: the places of the folder that was copied.
 TEST_F(CliRun, ACopyPrintsItsOwnPlaces) {
   ASSERT_EQ(run({"--export-frames", "2"}).exit_code, 0);
   fs::copy(work / "out", work / "copy", fs::copy_options::recursive);
@@ -229,7 +229,7 @@ TEST_F(CliRun, TrainRoundsThePsnrThatItPrints) {
   EXPECT_EQ(lines, 20);
 }
 
-// Bug put back: half of a file of ours is a foreign one, and the run is refused; seen to fail.
+// Finds: half of a file of ours is a foreign one, and the run is refused.
 TEST_F(CliRun, WhatAKilledProgramLeftInThePlayerIsNoForeignFile) {
   work.write("out/player/.tessera_output.json.12-3.partial", "{");
   ASSERT_EQ(run().exit_code, 0);

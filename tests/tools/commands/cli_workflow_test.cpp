@@ -177,9 +177,8 @@ TEST_F(CliWorkflow, CallsTheEngineAsAPersonCould) {
   EXPECT_EQ(work.read("out/batch.yaml"), before) << "a dry run changes nothing";
 }
 
-// Two captures, of which one is broken. Bugs put back, each seen to fail: the first failure ends
-// the batch; words of the jobs among those of the batch; what is done runs again; the record of a
-// failure stays.
+// Two captures, of which one is broken. Finds: the first failure ends the batch; words of the jobs
+// among those of the batch; what is done runs again; the record of a failure stays.
 TEST_F(CliWorkflow, RunsOnThisMachineAndAgainWhatHasFailed) {
   TESSERA_SKIP_WITHOUT_INGEST();
   without_snakemake();
@@ -218,7 +217,7 @@ TEST_F(CliWorkflow, RunsOnThisMachineAndAgainWhatHasFailed) {
   EXPECT_NE(planned("10").find("train/other/fast/seed-1"), std::string::npos);
 }
 
-// Bug put back: the program is killed with what it has begun; seen to fail.
+// Finds: the program is killed with what it has begun.
 TEST_F(CliWorkflow, AnInterruptReachesTheJobs) {
   TESSERA_SKIP_WITHOUT_INGEST();
   fs::create_directory(work / "other");
@@ -234,8 +233,8 @@ TEST_F(CliWorkflow, AnInterruptReachesTheJobs) {
   EXPECT_FALSE(fs::exists(work / "out/report"));
 }
 
-// As an engine calls it. Bugs put back, each seen to fail: bad input is tried again; a job that the
-// cluster refused leaves no record; the forecast of a scene that is not there.
+// As an engine calls it. Finds: bad input is tried again; a job that the cluster refused leaves no
+// record; the forecast of a scene that is not there.
 TEST_F(CliWorkflow, OneJobIsPerformedByItself) {
   TESSERA_SKIP_WITHOUT_INGEST();
   fs::create_directories(work / "all/broken");

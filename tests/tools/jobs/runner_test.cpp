@@ -76,8 +76,8 @@ class Jobs : public ::testing::Test {
   std::atomic<int> signal_ = 0;
 };
 
-// Bugs put back, each seen to fail: what is done runs again; other inputs, a lost file or a repeat
-// of what it needs count as done.
+// Bugs put back, each seen to fail: what is done runs again; other inputs or a repeat of what it
+// needs count as done. Finds also: a lost file.
 TEST_F(Jobs, RunInOrderAndOnceAndAgainWhereSomethingChanged) {
   std::vector<Job> jobs{job("a"), job("b", {"a"}), job("c", {"b"}), job("d", {"a"})};
   EXPECT_TRUE(run(jobs, {{}, 1, 1000}).all_done());

@@ -101,8 +101,8 @@ class ViewedTraining : public ::testing::Test {
   ScratchFolder scratch;
 };
 
-// Bugs put back: the page never learns that its training has stopped; a training that it stops is
-// interrupted by hand (130); each seen to fail.
+// Finds: the page never learns that its training has stopped; a training that it stops is
+// interrupted by hand (130).
 TEST_F(ViewedTraining, ItsPageStopsItAndSaysHowItIsResumed) {
   const Words words = command("train", "run", {"--view", "--iterations", "1000000"});
   ChildProcess child(words, scratch.path());
@@ -120,7 +120,7 @@ TEST_F(ViewedTraining, ItsPageStopsItAndSaysHowItIsResumed) {
   EXPECT_NE(ended.out.find("resume with: " + by_hand), std::string::npos) << ended.out;
 }
 
-// Bug put back: the command of the training alone; seen to fail.
+// Finds: the command of the training alone.
 TEST_F(ViewedTraining, AWholeRunIsResumedByItsOwnCommand) {
   ChildProcess child(
       command("run", "out", {"--view", "--iterations", "20000", "--densify-until", "0"}),

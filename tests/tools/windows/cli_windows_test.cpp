@@ -47,8 +47,8 @@ void expect_views_of_windows(const CliWorkspace& work, const json& whole) {
 
 // Bugs put back, each seen to fail: each window trains static Gaussians of its own; scores of the
 // timesteps beyond the core; checkpoints that stay; times of a window in the place of those of the
-// clip; pixels that move by the frames of a window alone. Finds also: a window that sees other
-// timesteps than its core and eight beyond; a file of windows without one of them.
+// clip. Finds also: a window that sees other timesteps than its core and eight beyond; a file of
+// windows without one of them. Also: pixels that move by the frames of a window alone.
 TEST_F(CliWindows, AreTrainedScoredAndExportedAsOneClip) {
   const json trained = work.run_json(train("run"));
   EXPECT_TRUE(trained["finished"]);
@@ -319,8 +319,8 @@ TEST_F(CliWindows, AreNotCutOfFramesWithoutSeconds) {
                       {"--windows 12s", "not prepared"});
 }
 
-// Bugs put back, each seen to fail: a second program trains beside the first; one begins what the
-// child of a killed one still has in work; other bytes by another course of events.
+// Finds: a second program trains beside the first; one begins what the child of a killed one still
+// has in work; other bytes by another course of events.
 TEST_F(CliWindows, AreTrainedByOneProgramAndOutliveAKilledOne) {
   work.run_json(train("run"));
   std::map<std::string, std::string> models;
@@ -342,8 +342,7 @@ TEST_F(CliWindows, AreTrainedByOneProgramAndOutliveAKilledOne) {
   EXPECT_EQ(log.find("starts anew"), std::string::npos) << log;
 }
 
-// Bugs put back, each seen to fail: the static set takes the whole limit, so that nothing moves;
-// each window takes it.
+// Finds: the static set takes the whole limit, so that nothing moves; each window takes it.
 TEST_F(CliWindows, LimitsOfSizeAreThoseOfTheClip) {
   const json few = work.run_json(train("few", {"--max-gaussians", "120", "--iterations", "40"}));
   EXPECT_LE(few["num_static"], 60);
@@ -357,8 +356,8 @@ TEST_F(CliWindows, LimitsOfSizeAreThoseOfTheClip) {
   EXPECT_GT(fs::file_size(work / "one/scene.t4d"), 15000u);
 }
 
-// Bugs put back, each seen to fail: exit code 2; the next window is begun; a limit that leaves no
-// room for a step is left for ever.
+// Finds: exit code 2; the next window is begun; a limit that leaves no room for a step is left for
+// ever.
 TEST_F(CliWindows, ATimeLimitIsThatOfAllOfThem) {
   const auto begin = std::chrono::steady_clock::now();
   const ChildResult left = work.run(train("run", {"--time-limit", "4s", "--iterations", "3000"}));
@@ -373,8 +372,7 @@ TEST_F(CliWindows, ATimeLimitIsThatOfAllOfThem) {
       << none.err;
 }
 
-// Bugs put back, each seen to fail: a window that cannot be trained ends the work; what it said is
-// lost.
+// Finds: a window that cannot be trained ends the work; what it said is lost.
 TEST_F(CliWindows, OneThatFailsCostsNoOther) {
   work.write("run/windows/0000/model.ply", "a file of somebody else");
   const ChildResult failed = work.run(train("run"));
