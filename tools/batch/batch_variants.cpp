@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
-#include "recon4d/options/nearest_name.h"
 #include "recon4d/options/presets.h"
 #include "tools/batch/batch.h"
 #include "tools/batch/engine.h"
@@ -55,7 +54,7 @@ Column read_preset(const json& entry) {
           read_options(entry.value("options", json::object()), where + ": options")};
 }
 
-/// Options of the file go over those of a row.
+/// Options of a row go over those of the file.
 std::vector<Column> read_table(const json& given) {
   if (given.contains("presets"))
     throw InputError("table: its rows have their presets; take out `presets` or `table`");
@@ -69,7 +68,6 @@ std::vector<Column> read_table(const json& given) {
   const json table = json::parse(tables.at(name));
   for (const json& row : table["rows"]) {
     Column column{row["name"], row["preset"], row["label"], above, row["published"]};
-    column.options.merge(read_options(row["options"], column.name));
     for (const auto& [key, value] : read_options(row["options"], column.name))
       column.options[key] = value;
     columns.push_back(std::move(column));

@@ -2,12 +2,12 @@
 #include "tools/batch/given.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
 #include "kernels/base/errors.h"
 #include "recon4d/options/nearest_name.h"
+#include "tools/batch/captures.h"
 #include "tools/cli/argument_words.h"
 
 namespace tessera {
@@ -26,14 +26,7 @@ void check_keys(const json& given, const std::vector<std::string>& known,
 }
 
 std::string checked_name(const std::string& name, const std::string& where) {
-  const auto is_plain = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-  };
-  const bool good =
-      !name.empty() && is_plain(name.front()) && std::all_of(name.begin(), name.end(), [&](char c) {
-        return is_plain(c) || c == '.' || c == '+' || c == '-';
-      });
-  if (!good)
+  if (safe_name(name) != name)
     throw InputError(
         fmt::format("{}: '{}' cannot name a folder of results; give a `name` of letters, digits "
                     "and _ . + -",
@@ -41,22 +34,30 @@ std::string checked_name(const std::string& name, const std::string& where) {
   return name;
 }
 
+namespace {
+
+int64_t whole_number(const json& value, const char* key, int64_t least) {
+  if (!value.is_number_integer() || value.get<int64_t>() < least)
+    throw InputError(fmt::format("{}: {} is no whole number from {}", key, value.dump(), least));
+  return value.get<int64_t>();
+}
+
+}  // namespace
+
 json list_at(const json& given, const char* key, json otherwise) {
   const json values = given.value(key, json());
   if (values.is_null()) return otherwise;
   if (!values.is_array() || values.empty())
-    throw InputError(fmt::format("{}: expected a list with something in it, not {}; write {}: [{}]",
-                                 key, values.dump(), key, "a, b"));
+    throw InputError(
+        fmt::format("{}: expected a list with something in it, not {}; write {}: [a, b]", key,
+                    values.dump(), key));
   return values;
 }
 
 std::vector<int64_t> numbers_at(const json& given, const char* key, int64_t least, json otherwise) {
   std::vector<int64_t> numbers;
-  for (const json& value : list_at(given, key, std::move(otherwise))) {
-    if (!value.is_number_integer() || value.get<int64_t>() < least)
-      throw InputError(fmt::format("{}: {} is no whole number from {}", key, value.dump(), least));
-    numbers.push_back(value.get<int64_t>());
-  }
+  for (const json& value : list_at(given, key, std::move(otherwise)))
+    numbers.push_back(whole_number(value, key, least));
   refuse_repeats(numbers, key);
   return numbers;
 }
@@ -73,10 +74,7 @@ std::vector<std::string> names_at(const json& given, const char* key, json other
 }
 
 int64_t number_of(const json& given, const char* key, int64_t least, int64_t otherwise) {
-  const json value = given.value(key, json(otherwise));
-  if (!value.is_number_integer() || value.get<int64_t>() < least)
-    throw InputError(fmt::format("{}: {} is no whole number from {}", key, value.dump(), least));
-  return value.get<int64_t>();
+  return whole_number(given.value(key, json(otherwise)), key, least);
 }
 
 std::string text_of_value(const json& value) {

@@ -225,11 +225,9 @@ int run_here(const BatchRequest& request, const Batch& batch, const std::vector<
   JobsObserver observer;
   observer.uses = [&](const Job& job) { return forecast_uses(job, batch, folder.root); };
   observer.on_start = [&](const Job&, int64_t, int64_t all) { count = all; };
-  observer.on_end = [&](const Job&, const JobOutcome&) {
-    ++ended;
-    watch.look();
-  };
+  observer.on_end = [&](const Job&, const JobOutcome&) { ++ended; };
   observer.on_look = [&](const std::vector<std::string>& running) {
+    watch.tick();
     bar.update(ended, count, fmt::format("{}", fmt::join(running, ", ")));
   };
   observer.signal = [] {

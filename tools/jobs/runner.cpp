@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <list>
+#include <map>
 #include <memory>
 #include <set>
 #include <thread>
@@ -76,14 +77,19 @@ class Runner {
     }
   }
 
-  bool may_start(const Job& job) const {
+  bool may_start(const Job& job) {
     if (std::any_of(job.needs.begin(), job.needs.end(),
                     [&](const auto& need) { return is_waited_for(need); }))
       return false;
     return running_.empty() || (!runs_alone_ && !alone_.contains(job.name) && fits(uses_of(job)));
   }
 
-  JobUses uses_of(const Job& job) const { return observer_.uses ? observer_.uses(job) : job.uses; }
+  /// Asked once, when all that the job needs is done.
+  const JobUses& uses_of(const Job& job) {
+    const auto known = uses_.find(job.name);
+    if (known != uses_.end()) return known->second;
+    return uses_[job.name] = observer_.uses ? observer_.uses(job) : job.uses;
+  }
 
   void start(Job job) {
     job.uses = uses_of(job);
@@ -146,6 +152,7 @@ class Runner {
   JobSlots free_;
   std::list<Job> waiting_;
   std::list<std::unique_ptr<RunningJob>> running_;
+  std::map<std::string, JobUses> uses_;
   std::set<std::string> alone_;  // have run out of memory beside others
   bool runs_alone_ = false;
   int passed_on_ = 0;  // the last signal

@@ -22,7 +22,7 @@ struct JobsOutcome {
 };
 
 struct JobsObserver {
-  /// What a job takes, asked before it is started; without it what the list states.
+  /// What a job takes, asked once when all that it needs is done; without it what the list states.
   std::function<JobUses(const Job&)> uses;
   std::function<void(const Job&, int64_t number, int64_t count)> on_start;
   std::function<void(const Job&, const JobOutcome&)> on_end;
