@@ -46,7 +46,7 @@ struct Served {
     };
     state.live = LiveHooks{
         [](int64_t seen) { return std::to_string(seen); }, [] { return std::string("<svg>"); },
-        [](int64_t view) { return std::string(view == 3 ? "image" : ""); }, change, change};
+        [](int64_t view) { return std::string(view == 3 ? "image" : ""); }, change};
     if (::stat((root / "site/a/index.html").c_str(), &page) != 0) std::abort();
   }
 };
