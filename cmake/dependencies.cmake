@@ -15,6 +15,11 @@ find_library(DEFLATE_LIBRARY deflate REQUIRED)
 add_library(libdeflate::libdeflate UNKNOWN IMPORTED)
 set_target_properties(libdeflate::libdeflate PROPERTIES
   IMPORTED_LOCATION ${DEFLATE_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${DEFLATE_INCLUDE_DIR})
+find_path(UTF8PROC_INCLUDE_DIR utf8proc.h REQUIRED)  # normal forms of names
+find_library(UTF8PROC_LIBRARY utf8proc REQUIRED)
+add_library(utf8proc::utf8proc UNKNOWN IMPORTED)
+set_target_properties(utf8proc::utf8proc PROPERTIES
+  IMPORTED_LOCATION ${UTF8PROC_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${UTF8PROC_INCLUDE_DIR})
 find_path(ZSTD_INCLUDE_DIR zstd.h)  # for .spz of version 4
 find_library(ZSTD_LIBRARY zstd)
 find_path(WEBP_INCLUDE_DIR webp/encode.h)  # for .sog

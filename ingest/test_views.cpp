@@ -43,6 +43,9 @@ std::vector<std::string> whole_names(const std::vector<std::string>& list,
 std::vector<Split> held_out_splits_of(const std::vector<std::string>& cameras,
                                       const std::vector<std::string>& held_out,
                                       const std::string& layout) {
+  const std::vector<std::string> none{kHeldOutNone};
+  if (held_out == none && std::find(cameras.begin(), cameras.end(), none[0]) == cameras.end())
+    return std::vector<Split>(cameras.size(), Split::kTrain);
   std::vector<Split> splits(cameras.size(), Split::kTrain);
   for (const std::string& name : whole_names(held_out, cameras)) {
     const auto found = std::find(cameras.begin(), cameras.end(), name);

@@ -17,6 +17,9 @@ std::string listed_names(const std::vector<std::string>& names);
 std::vector<std::string> whole_names(const std::vector<std::string>& list,
                                      const std::vector<std::string>& known);
 
+/// What --held-out is to train on all cameras, where none is called so.
+inline constexpr const char* kHeldOutNone = "none";
+
 /// kTest for the named ones, kTrain for the others; `held_out` as of whole_names. Errors:
 /// InputError that starts with `layout`: a name that is none of `cameras`, or all of them held out.
 std::vector<Split> held_out_splits_of(const std::vector<std::string>& cameras,

@@ -1,14 +1,19 @@
 #!/usr/bin/env python3
-"""Compares what two builds of tessera make of captures of every layout, byte by byte.
+"""Compares what tessera makes of captures of every layout with what is stored of it, or what two
+builds make of them, byte by byte.
 
+    compare_ingest.py BINARY [--only TEXT] [--store]
     compare_ingest.py BINARY_A BINARY_B [--only TEXT] [--cases MK.PY] [--keep FOLDER]
 
-The captures, options and damaged captures are those of ingest_captures.py. Both builds run `ingest`
-on each with each set of options, and `info` and `doctor` with the first. A line per case says
+The captures, options and damaged captures are those of ingest_captures.py. Each build runs `ingest`
+on each with each set of options, and `info` and `doctor` with the first. Stored is
+tests/ingest/golden.jsonl, a line a case: exit code, messages, and the scene's cameras, times,
+splits and files; measured numbers may differ from it by a hundredth. A line per case says
 whether exit code, output, messages, names and bytes of all files are the same, and shows the first
 difference where they are not. Exit code 1: something differs.
 
 --only   runs the cases whose names contain the text
+--store  stores what BINARY makes of them, where that is intended: `git diff` shows what it is
 --cases  adds the cases of a script: its functions of one argument `d`, which is the capture to
          make; `python3 MK.PY CASE FOLDER` runs one
 --keep   keeps captures and results, for a closer look
@@ -18,6 +23,7 @@ message) shows as a difference, too: read the lines. COLMAP is not run: a progra
 the commands, which are compared, and answers with known poses.
 """
 import argparse
+import concurrent.futures
 import contextlib
 import difflib
 import json
@@ -32,8 +38,10 @@ import time
 from pathlib import Path
 
 import capture_files
+import golden_ingest
 import ingest_captures
 
+GOLDEN = Path(__file__).resolve().parent.parent / "tests" / "ingest" / "golden.jsonl"
 THREADS = ["--threads", "2"]
 SHOWN_LINES, SHOWN_CHARACTERS = 8, 300
 # Keys of JSON whose values are measured, or name the build.
@@ -149,48 +157,93 @@ def shown(text):
 def difference(a, b):
     """Lines that show how two contents differ."""
     if a is None or b is None:
-        return ["only BINARY_%s has it" % ("B" if a is None else "A")]
+        return ["only %s has it" % ("the second" if a is None else "the first")]
     if isinstance(a, bytes) or isinstance(b, bytes):
         if type(a) is not type(b):
             return ["one is text, the other is not"]
         first = next((i for i, (x, y) in enumerate(zip(a, b)) if x != y), min(len(a), len(b)))
         return [f"{len(a)} and {len(b)} bytes, byte {first} is the first that differs"]
+    a, b = (x if isinstance(x, str) else json.dumps(x, indent=1, ensure_ascii=False)
+            for x in (a, b))
     lines = difflib.unified_diff(a.splitlines(), b.splitlines(), "A", "B", n=0, lineterm="")
     lines = [shown(line) for line in lines if not line.startswith(("---", "+++"))]
     more = len(lines) - SHOWN_LINES
     return lines[:SHOWN_LINES] + ([f"… and {more} more lines"] if more > 0 else [])
 
 
-def differing(a, b):
-    """Names of the parts that differ, in the order of `a`."""
-    return [name for name in [*a, *(n for n in b if n not in a)] if a.get(name) != b.get(name)]
-
-
 class Comparison:
-    def __init__(self, binaries, root, only, keep):
-        self.binaries, self.root, self.only, self.keep = binaries, root, only, keep
-        self.same, self.different, self.exit_codes = 0, 0, {}
+    """Of two builds, by all that they print and write."""
 
-    def compare(self, place, case, arguments):
+    def __init__(self, binaries, root, keep):
+        self.binaries, self.root, self.keep = binaries, root, keep
+
+    def results(self, place, case, arguments):
         parts = []
         for side, binary in zip("AB", self.binaries):
             parts.append(place.outcome(binary, arguments))
             if self.keep:
                 place.keep(self.root / "results", case, side)
-        code = parts[0]["exit code"]
+        return parts
+
+    @staticmethod
+    def equal(a, b):
+        return a == b
+
+
+class Golden:
+    """Of a build with what is stored."""
+
+    def __init__(self, binary, store):
+        self.binary, self.store, self.lines, self.first = binary, store, {}, {}
+        if not store:
+            for line in GOLDEN.read_text().splitlines():
+                line = json.loads(line)
+                case = line.pop("case")
+                capture = case.rpartition(": ")[0]
+                self.lines[case] = golden_ingest.restored(line, self.first.get(capture))
+                self.first.setdefault(capture, self.lines[case])
+
+    def results(self, place, case, arguments):
+        made = golden_ingest.described(place.outcome(self.binary, arguments))
+        if not self.store:
+            return [self.lines.get(case, {"exit code": "is not stored: --store"}), made]
+        first = self.first.setdefault(case.rpartition(": ")[0], made)
+        self.lines[case] = golden_ingest.stored(made, None if first is made else first)
+        return [made, made]
+
+    @staticmethod
+    def equal(a, b):
+        return golden_ingest.alike(a, b)
+
+    def write(self):
+        with GOLDEN.open("w") as file:
+            for case, line in self.lines.items():
+                file.write(json.dumps({"case": case, **line}, ensure_ascii=False) + "\n")
+
+
+class Cases:
+    """Runs the cases of captures; several captures at once, in the order in which they are given."""
+
+    def __init__(self, judge, root, only, keep):
+        self.judge, self.root, self.only, self.keep = judge, root, only, keep
+        self.same, self.different, self.exit_codes = 0, 0, {}
+
+    def judged(self, case, parts):
+        """-> lines to print"""
+        code = str(parts[0]["exit code"])
         self.exit_codes[code] = self.exit_codes.get(code, 0) + 1
-        names = differing(*parts)
+        names = [name for name in [*parts[0], *(n for n in parts[1] if n not in parts[0])]
+                 if not self.judge.equal(*(p.get(name) for p in parts))]
         if not names:
             self.same += 1
-            print(f"same {case}" + (f" (exit code {code})" if code != "0" else ""), flush=True)
-            return
+            return [f"same {case}" + (f" (exit code {code})" if code != "0" else "")]
         self.different += 1
-        print(f"DIFFERENT {case}: {', '.join(names[:4])}"
-              + (f" and {len(names) - 4} more" if len(names) > 4 else ""))
+        lines = [f"DIFFERENT {case}: {', '.join(names[:4])}"
+                 + (f" and {len(names) - 4} more" if len(names) > 4 else "")]
         # another exit code alone tells little: its message is shown, too
         for name in names[:2 if names[0] == "exit code" else 1]:
-            for line in difference(*(p.get(name) for p in parts)):
-                print(f"    {name}: {line}", flush=True)
+            lines += [f"    {name}: {line}" for line in difference(*(p.get(name) for p in parts))]
+        return lines
 
     def capture(self, name, maker, option_sets):
         """All cases of one capture, which is made only where one of them is asked for."""
@@ -202,12 +255,18 @@ class Comparison:
                                        *option_sets[0].split()])]
         cases = [case for case in cases if not self.only or self.only in case[0]]
         if not cases:
-            return
+            return []
         place = Place(self.root / re.sub(r"\W+", "_", name), maker)
-        for case, arguments in cases:
-            self.compare(place, case, arguments)
+        made = [(case, self.judge.results(place, case, arguments)) for case, arguments in cases]
         if not self.keep:
             shutil.rmtree(place.folder)
+        return made
+
+    def run(self, captures):
+        with concurrent.futures.ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+            for made in pool.map(lambda capture: self.capture(*capture), captures):
+                for case, parts in made:
+                    print("\n".join(self.judged(case, parts)), flush=True)
 
 
 def cases_of(script):
@@ -239,11 +298,17 @@ def program(text):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("binaries", nargs=2, metavar="BINARY", type=program)
+    parser.add_argument("binaries", nargs="+", metavar="BINARY", type=program)
     parser.add_argument("--only", metavar="TEXT", default="")
     parser.add_argument("--cases", metavar="MK.PY", type=Path)
     parser.add_argument("--keep", metavar="FOLDER", type=Path)
+    parser.add_argument("--store", action="store_true")
     arguments = parser.parse_args()
+    two = len(arguments.binaries) == 2
+    if len(arguments.binaries) > 2 or (arguments.store and (two or arguments.only)):
+        parser.error("name one build, or two; --store is of one, and of all cases")
+    if not two and (arguments.cases or arguments.keep):
+        parser.error("--cases and --keep are of two builds")
     ingest_captures.TESSERA = str(arguments.binaries[0])
     start = time.monotonic()
     with contextlib.ExitStack() as stack:
@@ -251,18 +316,19 @@ def main():
         root.mkdir(parents=True, exist_ok=True)
         if any(root.iterdir()):
             sys.exit(f"{root}: is not empty; name a new folder")
-        run = Comparison(arguments.binaries, root.resolve(), arguments.only, arguments.keep)
-        for maker, options in ingest_captures.CAPTURES.items():
-            run.capture(maker.__name__, maker, options)
-        for name, (maker, options) in ingest_captures.BAD.items():
-            run.capture(name, maker, options)
-        for case in cases_of(arguments.cases.resolve()) if arguments.cases else []:
-            run.capture(*case)
+        judge = Comparison(arguments.binaries, root.resolve(), arguments.keep) if two else \
+            Golden(arguments.binaries[0], arguments.store)
+        run = Cases(judge, root.resolve(), arguments.only, arguments.keep)
+        captures = [(maker.__name__, maker, sets)
+                    for maker, sets in ingest_captures.CAPTURES.items()]
+        captures += [(name, *made) for name, made in ingest_captures.BAD.items()]
+        run.run(captures + (cases_of(arguments.cases.resolve()) if arguments.cases else []))
     codes = ", ".join(f"{count} exit with {code}" for code, count in sorted(run.exit_codes.items()))
-    print(f"{run.same} same, {run.different} different ({codes} in BINARY_A); "
-          f"{time.monotonic() - start:.0f} s")
+    print(f"{run.same} same, {run.different} different ({codes}); {time.monotonic() - start:.0f} s")
     if run.same + run.different == 0:
         sys.exit(f"no case has '{arguments.only}' in its name")
+    if arguments.store:
+        judge.write()
     return 1 if run.different else 0
 
 

@@ -210,7 +210,7 @@ def colmap_damaged(folder):
     (images / PHOTOS[1]).unlink()
     (images / PHOTOS[2]).write_bytes((images / PHOTOS[2]).read_bytes()[:400])
     write_png(images / "extra.png", image(arc(10)[3]))
-    (images / "film.HEIC").write_bytes(b"none")
+    (images / "film.HEIC").write_bytes(b"\0\0\0\x18ftypheic")
     (images / "._img_00.png").write_bytes(b"\0\5\x16\7")
 
 

@@ -11,7 +11,7 @@ purpose=${1:-build}
 packages=(
   g++ cmake ninja-build pkg-config git ca-certificates
   libglm-dev libpng-dev zlib1g-dev libdeflate-dev libzstd-dev libwebp-dev libfmt-dev nlohmann-json3-dev
-  libcli11-dev libtbb-dev libyaml-cpp-dev
+  libcli11-dev libtbb-dev libyaml-cpp-dev libutf8proc-dev
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev libswresample-dev
   libopenimageio-dev libopencv-dev colmap libmicrohttpd-dev
 )

@@ -34,17 +34,17 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"tools/view/", {"kernels/base/", "tools/view/"}},
     // reports are made from files and images, by commands and by batches
     {"tools/report/",
-     {"kernels/", "ingest/", "recon4d/", "tools/camera_paths/", "tools/web/", "tools/session/",
-      "tools/report/", "tools/video/"}},
+     {"kernels/", "ingest/", "recon4d/", "tools/camera_paths/", "tools/clip/", "tools/web/",
+      "tools/session/", "tools/report/", "tools/video/"}},
     {"tools/", {"kernels/", "ingest/", "ingest_media/", "recon4d/", "static3d/", "tools/"}},
     {"tests/", {""}},
 };
 
 /// Lines of C++ and CUDA that each top folder may have. A feature names what it replaces, or raises
 /// the number in the commit that brings it; a cut lowers it.
-inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13570}, {"ingest", 25170},
-                                                         {"recon4d", 12460}, {"static3d", 5880},
-                                                         {"tools", 24285},   {"tests", 57430}};
+inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13570}, {"ingest", 25955},
+                                                         {"recon4d", 12460}, {"static3d", 5865},
+                                                         {"tools", 24105},   {"tests", 57790}};
 
 /// Where CUDA may be used; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",

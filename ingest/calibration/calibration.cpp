@@ -32,14 +32,12 @@ bool is_opencv_name(const fs::path& file) {
 
 Calibration of_model(const fs::path& folder) {
   ColmapModel model = read_colmap_model(folder);
-  Calibration calibration{folder,
-                          "COLMAP model",
-                          {},
-                          false,
-                          std::move(model.points),
-                          std::move(model.files),
-                          std::move(model.warnings),
-                          model.origin};
+  Calibration calibration{.path = folder,
+                          .form = "COLMAP model",
+                          .points = std::move(model.points),
+                          .files = std::move(model.files),
+                          .warnings = std::move(model.warnings),
+                          .origin = model.origin};
   for (ColmapPhoto& photo : model.photos)
     calibration.cameras.push_back(
         {std::move(photo.name), photo.camera, photo.lens, std::move(photo.lens_model)});
@@ -47,7 +45,7 @@ Calibration of_model(const fs::path& folder) {
 }
 
 Calibration of_rows(const fs::path& file) {
-  Calibration calibration{file, "LLFF poses", {}, true, {}, {file}, {}, {}};
+  Calibration calibration{.path = file, .form = "LLFF poses", .by_row = true, .files = {file}};
   for (const LlffPose& pose : read_llff_poses(file))
     calibration.cameras.push_back(
         {fmt::format("row {}", calibration.cameras.size()), pose.camera, {}, "PINHOLE"});
@@ -69,28 +67,23 @@ Calibration of_easymocap(const EasyMocapFiles& pair) {
                                  pair.intri.string(), pair.extri.filename().string()));
   tree.update(poses);
   const fs::path folder = pair.intri.parent_path();
-  return {folder,
-          "intri and extri of EasyMocap",
-          rig_cameras_of(tree, folder),
-          false,
-          {},
-          {pair.intri, pair.extri},
-          {}};
+  Calibration calibration{
+      .path = folder, .form = "intri and extri of EasyMocap", .files = {pair.intri, pair.extri}};
+  calibration.cameras = rig_cameras_of(tree, folder, calibration.notes);
+  return calibration;
 }
 
 Calibration of_file(const fs::path& file) {
-  return {file,
-          extension_of(file) == ".json" ? "JSON" : "OpenCV file",
-          rig_cameras_of(tree_of_file(file), file),
-          false,
-          {},
-          {file},
-          {}};
+  Calibration calibration{.path = file,
+                          .form = extension_of(file) == ".json" ? "JSON" : "OpenCV file",
+                          .files = {file}};
+  calibration.cameras = rig_cameras_of(tree_of_file(file), file, calibration.notes);
+  return calibration;
 }
 
 /// One camera a file, called as the file. An empty calibration where there is no such file.
 Calibration of_camera_files(const fs::path& folder) {
-  Calibration all{folder, "files of cameras", {}, false, {}, {}, {}};
+  Calibration all{.path = folder, .form = "files of cameras"};
   for (const auto& entry : fs::directory_iterator(folder)) {
     std::error_code unreachable;
     const bool is_ours = is_opencv_name(entry.path()) || extension_of(entry.path()) == ".json";
@@ -100,7 +93,7 @@ Calibration of_camera_files(const fs::path& folder) {
   }
   std::sort(all.files.begin(), all.files.end());
   for (const fs::path& file : all.files)
-    for (RigCamera& camera : rig_cameras_of(tree_of_file(file), file)) {
+    for (RigCamera& camera : rig_cameras_of(tree_of_file(file), file, all.notes)) {
       const bool is_known =
           std::any_of(all.cameras.begin(), all.cameras.end(),
                       [&](const RigCamera& other) { return other.name == camera.name; });
@@ -119,8 +112,8 @@ Calibration of_camera_files(const fs::path& folder) {
 }
 
 Calibration of_folder(const fs::path& folder) {
-  if (has_colmap_cameras(folder / "0")) return of_model(folder / "0");  // sparse/0 by its parent
-  if (const auto models = model_folders(folder); !models.empty()) return of_model(models.front());
+  if (const auto models = colmap_models_in(folder); !models.empty())
+    return of_model(models.front());
   if (const EasyMocapFiles pair = find_easymocap(folder); !pair.intri.empty())
     return of_easymocap(pair);
   if (const fs::path rows = folder / "poses_bounds.npy"; fs::exists(rows)) return of_rows(rows);
@@ -139,14 +132,6 @@ bool is_file_of_model(const fs::path& file) {
 }
 
 }  // namespace
-
-std::vector<fs::path> model_folders(const fs::path& folder) {
-  std::vector<fs::path> found;
-  for (const char* place : {"sparse/0", "sparse", "sparse_", "colmap/sparse/0", ""})
-    if (const fs::path model = *place ? folder / place : folder; has_colmap_cameras(model))
-      found.push_back(model);
-  return found;
-}
 
 EasyMocapFiles find_easymocap(const fs::path& folder) {
   for (const char* extension : {".yml", ".yaml"}) {

@@ -10,14 +10,14 @@
 namespace tessera {
 
 struct Calibration {
-  std::filesystem::path path;      // the file or folder that was read
-  std::string form;                // "COLMAP model", for people
-  std::vector<RigCamera> cameras;  // never empty; width 0: no size is stated
-  bool by_row = false;             // they have no names, but the order of the clips' names
-  PointCloud points;               // in the world of the cameras; may be empty
-  std::vector<std::filesystem::path> files;  // that were read
-  std::vector<std::string> warnings;         // one line each
-  glm::dvec3 origin{0};                      // taken out of cameras and points already
+  std::filesystem::path path;        // the file or folder that was read
+  std::string form{};                // "COLMAP model", for people
+  std::vector<RigCamera> cameras{};  // never empty; width 0: no size is stated
+  bool by_row = false;               // they have no names, but the order of the clips' names
+  PointCloud points{};               // in the world of the cameras; may be empty
+  std::vector<std::filesystem::path> files{};    // that were read
+  std::vector<std::string> warnings{}, notes{};  // one line each
+  glm::dvec3 origin{0};                          // taken out of cameras and points already
 };
 
 /// The forms that read_calibration knows, for messages.
@@ -27,8 +27,8 @@ inline constexpr const char* kCalibrationForms =
     "poses_bounds.npy";
 
 /// Reads `path`:
-/// - a COLMAP model: a folder with cameras.bin or cameras.txt, one of its files, or a folder with
-///   such a model in 0 or one of model_folders(); a camera is called as its image;
+/// - a COLMAP model: a folder with cameras.bin or cameras.txt, one of its files, or the first of
+///   colmap_models_in() of a folder; a camera is called as its image;
 /// - .json (rig_poses_file.h), also as cv::FileStorage writes it;
 /// - .yml, .yaml, .xml of cv::FileStorage with one camera, called as the file; intri and extri of
 ///   EasyMocap by either of them or by their folder;
@@ -37,10 +37,6 @@ inline constexpr const char* kCalibrationForms =
 /// Errors: InputError naming the file, the camera and what is wrong with it, or the forms that are
 /// read.
 Calibration read_calibration(const std::filesystem::path& path);
-
-/// The folders of `folder` that hold a COLMAP model, of sparse/0, sparse, sparse_, colmap/sparse/0
-/// and itself, in this order.
-std::vector<std::filesystem::path> model_folders(const std::filesystem::path& folder);
 
 /// intri.yml and extri.yml, or .yaml, in `folder`; both empty where one is missing.
 struct EasyMocapFiles {

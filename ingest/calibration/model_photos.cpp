@@ -13,14 +13,18 @@ namespace tessera {
 namespace fs = std::filesystem;
 
 std::vector<fs::path> photo_folders(const fs::path& capture) {
-  std::vector<fs::path> folders;
+  std::vector<fs::path> folders, others;
   if (!images_in(capture).empty()) folders.push_back(capture);
   for (const auto& entry : fs::directory_iterator(capture)) {
     std::error_code unreachable;
-    if (entry.path().filename().string().starts_with("images") && entry.is_directory(unreachable))
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.') || !entry.is_directory(unreachable)) continue;
+    if (name.starts_with("images"))
       folders.push_back(entry.path());
+    else if (name != "masks" && !images_in(entry.path()).empty())
+      others.push_back(entry.path());
   }
-  return folders;
+  return folders.empty() && others.size() == 1 ? others : folders;
 }
 
 bool names_photos(const fs::path& model, const std::vector<fs::path>& folders) {

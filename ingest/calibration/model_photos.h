@@ -6,7 +6,7 @@
 namespace tessera {
 
 /// Where photos of a COLMAP model may lie: `capture` itself, where it has images, and its folders
-/// images….
+/// images…; where there are none of these, the only folder that holds images.
 std::vector<std::filesystem::path> photo_folders(const std::filesystem::path& capture);
 
 /// Whether one of `folders` has a photo that the model in the folder `model` names. A model that

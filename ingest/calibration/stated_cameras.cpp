@@ -61,13 +61,14 @@ StatedCameras matched(Calibration calibration, const std::vector<std::string>& c
   stated.origin = calibration.origin;
   stated.by_row = calibration.by_row;
   stated.files = std::move(calibration.files);
+  stated.notes = std::move(calibration.notes);
   warnings.insert(warnings.end(), calibration.warnings.begin(), calibration.warnings.end());
   return stated;
 }
 
 /// What may be read without being named, the first before the others.
 std::vector<fs::path> candidates_in(const fs::path& capture, bool models_only) {
-  std::vector<fs::path> found = model_folders(capture);
+  std::vector<fs::path> found = colmap_models_in(capture);
   if (models_only) return found;
   if (const fs::path pair = find_easymocap(capture).intri; !pair.empty()) found.push_back(pair);
   return found;
@@ -92,8 +93,9 @@ StatedCameras read_candidate(const fs::path& capture, const fs::path& candidate,
     throw InputError(fmt::format("{}: has no camera for {}; it has {}", candidate.string(),
                                  listed_names(missing), listed_names(stated.stated_names)));
   const std::string place = candidate.lexically_relative(capture).generic_string();
-  stated.note = fmt::format("poses of {} cameras from {} ({})", wanted.size(),
-                            place.empty() || place == "." ? capture.string() : place, form);
+  stated.notes.push_back(fmt::format("poses of {} cameras from {} ({})", wanted.size(),
+                                     place.empty() || place == "." ? capture.string() : place,
+                                     form));
   warnings.insert(warnings.end(), said.begin(), said.end());
   return stated;
 }

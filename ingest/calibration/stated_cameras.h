@@ -20,14 +20,15 @@ struct StatedCameras {
   PointCloud points;                              // in their world; may be empty
   glm::dvec3 origin{0};                           // taken out of cameras and points already
   std::vector<std::filesystem::path> files;       // that were read
-  std::string note;  // "poses of 6 cameras from sparse_ (COLMAP model)"; empty where it is named
+  std::vector<std::string> notes;  // "poses of 6 cameras from sparse_ (COLMAP model)" where it is
+                                   // found, and keys that are not read
 };
 
 /// The calibration `source` (kCameras, or kN3dv or kLlff: poses_bounds.npy in `capture`), or what
 /// is found in `capture`: where it is kFound, poses_bounds.npy, a COLMAP model in one of
-/// model_folders(), intri.yml and extri.yml; where it is kColmap, a model alone. The first is taken
-/// that has a camera for each of `wanted` (all of `clips` where it is empty); those before it are
-/// warned of, and so are other files that seem to be calibrations, where `source` is kFound.
+/// colmap_models_in(), intri.yml and extri.yml; where it is kColmap, a model alone. The first is
+/// taken that has a camera for each of `wanted` (all of `clips` where it is empty); those before it
+/// are warned of, and so are other files that seem to be calibrations, where `source` is kFound.
 /// `clips` are the names of all clips, sorted. Nothing where none is taken. Errors: InputError: a
 /// named calibration, or poses_bounds.npy, that cannot be read or has cameras for no clip or, by
 /// row, for another number of them.

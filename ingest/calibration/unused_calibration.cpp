@@ -4,11 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <fstream>
 #include <optional>
 
 #include "ingest/calibration/calibration.h"
+#include "ingest/images/listing.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/lower_case.h"
@@ -18,30 +17,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool contains_any(const std::string& text, std::initializer_list<const char*> parts) {
-  return std::any_of(parts.begin(), parts.end(),
-                     [&](const char* part) { return text.find(part) != std::string::npos; });
-}
-
-std::string first_bytes(const fs::path& file) {
-  std::array<char, 1024> bytes{};
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(bytes.data(), std::streamsize(bytes.size()));
-  return lower_case(std::string(bytes.data(), size_t(stream.gcount())));
-}
-
+/// By its name where it may be one of ours, by its words where it is not.
 bool seems_calibration(const fs::path& file) {
   const std::string name = lower_case(file.filename().string());
   const std::string extension = lower_case(file.extension().string());
-  const bool is_named =
-      contains_any(name, {"calib", "camera", "extri", "intri", "pose", "rig.", "rig_"});
   if (name.starts_with('.') || name.starts_with("transforms")) return false;
-  if (extension == ".json" || extension == ".yml" || extension == ".yaml") return is_named;
-  if (extension == ".xml")
-    return is_named || contains_any(first_bytes(file), {"<chunk", "<opencv_storage", "<camera"});
-  if (extension == ".csv")
-    return is_named || contains_any(first_bytes(file), {"#name", "#cameras", "yaw,pitch,roll"});
-  return extension == ".nvm" || name == "bundle.out";
+  for (const char* part : {"calib", "camera", "extri", "intri", "pose", "rig.", "rig_"})
+    if (kind_of_file(file) == FileKind::kTable && name.find(part) != std::string::npos) return true;
+  if (extension == ".json" || extension == ".yml" || extension == ".yaml") return false;
+  return extension == ".nvm" || name == "bundle.out" || speaks_of_cameras(file);
 }
 
 bool is_readable(const fs::path& file) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <numeric>
 #include <string_view>
+#include <tuple>
 
 #include "ingest/colmap/colmap_records.h"
 #include "ingest/files/folders.h"
@@ -46,6 +47,44 @@ std::string model_kind(const std::filesystem::path& folder) {
   for (const char* extension : {".bin", ".txt"})
     if (!file_of_model(folder, std::string("cameras") + extension).empty()) return extension;
   return "";
+}
+
+struct FoundModel {
+  std::filesystem::path folder;
+  int rank = 0;         // COLMAP's own places come first, what lies beside the images last
+  uintmax_t bytes = 0;  // of its list of images: a larger model has more of them
+};
+
+/// Whether the folder is a capture of its own, or a camera of one.
+bool holds_media(const std::filesystem::path& folder) {
+  std::error_code unreachable;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, unreachable)) {
+    std::error_code unresolved;
+    const bool is_folder = entry.is_directory(unresolved);
+    if (is_folder ? entry.path().filename() == "images" : is_image_name(entry.path())) return true;
+  }
+  return false;
+}
+
+/// Models in `folder` and so many levels below.
+void find_models(const std::filesystem::path& folder, const std::filesystem::path& capture,
+                 int levels, std::vector<FoundModel>& found) {
+  std::error_code unreachable;
+  if (const std::string kind = model_kind(folder); !kind.empty()) {
+    const std::filesystem::path place = folder.lexically_relative(capture),
+                                images = file_of_model(folder, "images" + kind);
+    const int rank = place == "." ? 2 : *place.begin() == "sparse" ? 0 : 1;
+    std::error_code absent;
+    const uintmax_t bytes = images.empty() ? 0 : std::filesystem::file_size(images, absent);
+    if (bytes > 0 || rank == 0) found.push_back({folder, rank, bytes});
+  }
+  if (levels == 0) return;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, unreachable)) {
+    std::error_code unresolved;
+    if (entry.is_directory(unresolved) && !entry.path().filename().string().starts_with('.') &&
+        !holds_media(entry.path()))
+      find_models(entry.path(), capture, levels - 1, found);
+  }
 }
 
 using LeftOut = std::map<std::string, std::vector<std::string>>;  // images by the reason
@@ -135,13 +174,21 @@ bool has_colmap_cameras(const std::filesystem::path& folder) {
   return !model_kind(folder).empty();
 }
 
+std::vector<std::filesystem::path> colmap_models_in(const std::filesystem::path& capture) {
+  std::vector<FoundModel> found;
+  find_models(capture, capture, 4, found);
+  std::sort(found.begin(), found.end(), [](const FoundModel& a, const FoundModel& b) {
+    return std::tie(a.rank, b.bytes, a.folder) < std::tie(b.rank, a.bytes, b.folder);
+  });
+  std::vector<std::filesystem::path> folders;
+  for (FoundModel& model : found) folders.push_back(std::move(model.folder));
+  return folders;
+}
+
 std::filesystem::path find_colmap_model(const std::filesystem::path& capture) {
-  for (const auto& folder : {capture / "sparse" / "0", capture / "sparse"})
-    if (has_colmap_cameras(folder)) return folder;
-  // beside the images, as RealityScan's flat export has it
-  const std::string kind = model_kind(capture);
-  const bool is_model = !kind.empty() && !file_of_model(capture, "images" + kind).empty();
-  return is_model && !images_in(capture).empty() ? capture : std::filesystem::path();
+  for (std::filesystem::path& folder : colmap_models_in(capture))
+    if (folder != capture || !images_in(capture).empty()) return std::move(folder);
+  return {};
 }
 
 ColmapModel read_colmap_model(const std::filesystem::path& folder) {
@@ -193,7 +240,15 @@ ColmapModel read_capture_model(const std::filesystem::path& capture) {
         "{}: no COLMAP model in it; put cameras, images and points3D (.bin or .txt) into sparse/0",
         capture.string()));
   try {
-    return read_colmap_model(folder);
+    ColmapModel model = read_colmap_model(folder);
+    std::vector<std::string> others;
+    for (const std::filesystem::path& other : colmap_models_in(capture))
+      if (other != folder) others.push_back(other.lexically_relative(capture).generic_string());
+    if (!others.empty())
+      model.warnings.push_back(fmt::format("{}: is the largest model of {} images; not read: {}",
+                                           folder.string(), model.photos.size(),
+                                           listed_names(others)));
+    return model;
   } catch (const InputError& error) {
     if (!std::filesystem::exists(capture / "poses_bounds.npy")) throw;
     throw InputError(fmt::format("{}; or pass --poses llff to use the poses_bounds.npy beside it",

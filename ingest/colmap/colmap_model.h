@@ -34,9 +34,14 @@ struct ColmapModel {
 /// True where cameras.bin or cameras.txt, in any case, lies directly in `folder`.
 bool has_colmap_cameras(const std::filesystem::path& folder);
 
-/// `capture`/sparse/0 or `capture`/sparse, the first that has cameras.bin or cameras.txt, in any
-/// case; else `capture` where it has these, the list of images and the images themselves. An empty
-/// path where none has.
+/// The folders at most four levels below `capture` that hold a list of cameras and one of images,
+/// in any case: those in `sparse` first, the one with the longest list of images before others,
+/// `capture` itself last. Folders that hold images, or a folder `images`, are captures of their
+/// own.
+std::vector<std::filesystem::path> colmap_models_in(const std::filesystem::path& capture);
+
+/// The first of these; `capture` itself only where it holds images, too. An empty path where there
+/// is none.
 std::filesystem::path find_colmap_model(const std::filesystem::path& capture);
 
 /// Reads the .bin files of `folder`, the .txt files where those are absent. Errors: InputError

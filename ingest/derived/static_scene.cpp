@@ -13,6 +13,7 @@
 #include "ingest/derived/derived_scene.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/folders.h"
+#include "ingest/files/json_file.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/prepared/scene_reader.h"
@@ -191,7 +192,7 @@ StaticSceneReport write_static_scene(const fs::path& folder, const fs::path& out
   for (ordered_json& entry : listed) file["frames"].push_back(std::move(entry));
   file["tessera"]["applied"]["masks"] = "black ignored";
   file["tessera"]["time"]["static_of"] = timesteps;
-  write_text_file(staged.path() / "transforms.json", file.dump(1) + "\n");
+  write_text_file(staged.path() / "transforms.json", json_text(file, 1) + "\n");
   staged.commit();
   return report;
 }

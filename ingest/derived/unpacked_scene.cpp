@@ -9,6 +9,7 @@
 #include "ingest/derived/derived_scene.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/folders.h"
+#include "ingest/files/json_file.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/prepared/scene_reader.h"
@@ -57,7 +58,7 @@ int64_t unpack_scene(const fs::path& folder, const std::optional<Window>& window
     progress(std::min(start + chunk, count), count);
   }
   if (!scene.points.position.empty()) write_points(staged.path() / "points.ply", scene.points);
-  write_text_file(staged.path() / "transforms.json", file.dump(1) + "\n");
+  write_text_file(staged.path() / "transforms.json", json_text(file, 1) + "\n");
   staged.commit();
   return count;
 }

@@ -72,6 +72,14 @@ nlohmann::json read_json(const std::filesystem::path& path) {
   return parse_json(read_text_file(path), path);
 }
 
+std::string json_text(const nlohmann::json& value, int indent) {
+  return value.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string json_text(const nlohmann::ordered_json& value, int indent) {
+  return value.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 std::optional<double> finite_number(const nlohmann::json& object, const char* key,
                                     const std::string& where) {
   const auto found = object.find(key);

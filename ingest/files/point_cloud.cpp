@@ -111,7 +111,13 @@ PointCloud read_points(const std::filesystem::path& path, const glm::dvec3& orig
 
 PointCloud find_points(const std::filesystem::path& folder, const std::string& stated,
                        std::vector<std::string>& warnings, const glm::dvec3& origin) {
-  if (!stated.empty()) return read_points(folder / stated, origin, warnings);
+  if (!stated.empty()) {
+    if (std::filesystem::exists(folder / stated))
+      return read_points(folder / stated, origin, warnings);
+    warnings.push_back(
+        fmt::format("{}: no such file; there is no initial cloud", (folder / stated).string()));
+    return {};
+  }
   for (const char* name : {"points.ply", "points3d.ply", "points3D.ply", "fused.ply"}) {
     if (!std::filesystem::is_regular_file(folder / name)) continue;
     try {

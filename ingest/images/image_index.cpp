@@ -6,7 +6,8 @@
 #include <algorithm>
 
 #include "ingest/images/image_paths.h"
-#include "kernels/base/lower_case.h"
+#include "ingest/images/names.h"
+#include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
@@ -36,7 +37,7 @@ const std::vector<std::string>& ImageIndex::listing(const fs::path& folder) {
   return known->second;
 }
 
-/// By another extension, or by names that differ in case alone; no file where several fit.
+/// By another extension, or by names that differ in form or case alone; no file where several fit.
 ImageIndex::Found ImageIndex::find_alike(const fs::path& stated) {
   fs::path folder = folder_;
   Rule rule = Rule::kExtension;
@@ -45,7 +46,7 @@ ImageIndex::Found ImageIndex::find_alike(const fs::path& stated) {
     if (!fs::is_directory(next)) {
       const std::vector<std::string>& names = listing(folder);
       const auto same = [&](const std::string& name) {
-        return lower_case(name) == lower_case(part.string());
+        return compared_name(name) == compared_name(part.string());
       };
       if (std::count_if(names.begin(), names.end(), same) != 1) return {};
       next = folder / *std::find_if(names.begin(), names.end(), same);
@@ -56,7 +57,7 @@ ImageIndex::Found ImageIndex::find_alike(const fs::path& stated) {
   const std::string stem = stem_of(stated.filename().string());
   std::vector<std::string> alike, same_case;
   for (const std::string& name : listing(folder)) {
-    if (!is_image_name(name) || lower_case(stem_of(name)) != lower_case(stem)) continue;
+    if (!is_image_name(name) || compared_name(stem_of(name)) != compared_name(stem)) continue;
     alike.push_back(name);
     if (stem_of(name) == stem) same_case.push_back(name);
   }
@@ -83,18 +84,22 @@ fs::path ImageIndex::find(const std::string& stated) {
   std::replace(path.begin(), path.end(), '\\', '/');
   if (const fs::path whole = path; whole.is_absolute() && is_file(whole)) return whole;
   Found found;
-  if (is_rooted(path)) {
-    fs::path rest = fs::path(path).relative_path();
-    while (found.file.empty() && rest.has_parent_path()) {
-      fs::path shorter;
-      for (auto part = std::next(rest.begin()); part != rest.end(); ++part) shorter /= *part;
-      rest = std::move(shorter);
-      found = find_below(rest);
-    }
+  if (!is_rooted(path)) found = find_below(path);
+  for (fs::path rest = fs::path(path).relative_path();
+       found.file.empty() && rest.has_parent_path();) {
+    fs::path shorter;
+    for (auto part = std::next(rest.begin()); part != rest.end(); ++part) shorter /= *part;
+    rest = std::move(shorter);
+    found = find_below(rest);
     found.rule = Rule::kTail;
-  } else {
-    found = find_below(path);
   }
+  if (found.rule == Rule::kTail && !found.file.empty())
+    if (const auto [first, is_new] = by_tail_.emplace(found.file, path);
+        !is_new && first->second != path)
+      throw InputError(fmt::format(
+          "{}: {} and {} would both be {}; put the images into the folders that are stated",
+          folder_.string(), first->second, path,
+          found.file.lexically_relative(folder_).generic_string()));
   if (!found.file.empty() && found.rule != Rule::kStated)
     note(uses_[found.rule], stated, found.file.lexically_relative(folder_).generic_string());
   return found.file;
@@ -109,7 +114,7 @@ std::vector<std::string> ImageIndex::lines() const {
   for (const auto& [rule, use] : uses_)
     add(use, rule == Rule::kExtension ? "are found with another extension than stated"
              : rule == Rule::kCase    ? "are found in another case than stated"
-                                      : "are stated by paths of another computer");
+                                      : "are found in another folder than stated");
   if (several_.count > 0) add(several_, "are not taken, because several files fit");
   return lines;
 }

@@ -15,9 +15,9 @@ class ImageIndex {
   explicit ImageIndex(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   /// The image that `stated` names, `\` as `/`, by the first rule that holds: the very name; with
-  /// the extension of an image behind it, .png first; with another extension; in another case; of a
-  /// path from the root of another computer the longest end for which one of these holds. Empty
-  /// where none does, and where a rule finds several.
+  /// the extension of an image behind it, .png first; with another extension; in another case or
+  /// normal form of Unicode; the longest end of the path for which one of these holds. Empty where
+  /// none does, and where a rule finds several. Errors: InputError: an end of two paths.
   std::filesystem::path find(const std::string& stated);
 
   /// A line for each rule beyond the first two that found images, with an example, and one for
@@ -44,6 +44,7 @@ class ImageIndex {
   std::map<std::filesystem::path, std::vector<std::string>> listings_;  // names, sorted
   std::map<Rule, Use> uses_;
   Use several_;
+  std::map<std::filesystem::path, std::string> by_tail_;  // what was stated of an image
 };
 
 }  // namespace tessera

@@ -18,6 +18,8 @@ constexpr std::array<string_view, 10> kCameraWords = {"cam",    "camera", "kinec
                                                       "device", "sensor", "cn",     "hd",    "vga"};
 constexpr std::array<string_view, 5> kFrameWords = {"frame", "image", "img", "f", "t"};
 
+constexpr size_t kMostDigits = 20;  // more than a number of 64 bits has
+
 bool is_number(string_view text, size_t most) {
   return take_number(text, most) && text.empty();
 }
@@ -39,12 +41,12 @@ bool is_after_word(string_view text, string_view word, string_view separators, R
 
 /// Takes "0012" or "frame_12"; nothing where `text` begins otherwise.
 std::optional<int64_t> take_frame_number(string_view& text) {
-  if (const auto number = take_number(text, 9)) return number;
+  if (const auto number = take_number(text, kMostDigits)) return number;
   for (const string_view word : kFrameWords) {
     string_view rest = text;
     if (!take(rest, word)) continue;
     take_one_of(rest, "_-");
-    const auto number = take_number(rest, 9);
+    const auto number = take_number(rest, kMostDigits);
     if (!number) continue;
     text = rest;
     return number;
@@ -90,10 +92,9 @@ std::optional<NumberedName> parse_stem(const std::string& stem) {
   const std::string text = lower_case(stem);
   if (auto name = camera_last(stem, text)) return name;
   size_t begin = text.size();
-  while (begin > 0 && text.size() - begin < 9 && text[begin - 1] >= '0' && text[begin - 1] <= '9')
-    --begin;
+  while (begin > 0 && text[begin - 1] >= '0' && text[begin - 1] <= '9') --begin;
   string_view digits = string_view(text).substr(begin);
-  const auto number = take_number(digits, 9);
+  const auto number = take_number(digits, kMostDigits);
   if (!number) return std::nullopt;
   const auto without_separators = [&](size_t length) {
     while (length > 0 && kSeparators.find(text[length - 1]) != string_view::npos) --length;

@@ -7,6 +7,7 @@
 #include <array>
 #include <string_view>
 
+#include "ingest/images/names.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/lower_case.h"
 
@@ -66,7 +67,7 @@ std::string name_of_image(const std::string& file_path) {
   for (const std::filesystem::path& part : stated.relative_path().lexically_normal())
     if (part != "." && part != ".." && !part.empty()) name /= part;
   if (is_image_name(name)) name.replace_extension();
-  return name.generic_string();
+  return plain_name(name.generic_string());
 }
 
 }  // namespace tessera

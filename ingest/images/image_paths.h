@@ -32,7 +32,7 @@ std::filesystem::path require_image(const std::filesystem::path& folder,
                                     const std::string& file_path, const std::string& where);
 
 /// "./train/r_003.png" → "train/r_003"; root, "." and ".." are dropped, so it is safe below a
-/// folder.
+/// folder, and it is a plain_name().
 std::string name_of_image(const std::string& file_path);
 
 }  // namespace tessera

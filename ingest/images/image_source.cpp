@@ -24,12 +24,33 @@ using std::filesystem::path;
       fmt::format("{}: {}; convert this image to 8-bit sRGB PNG", file.string(), seen));
 }
 
-/// libjpeg fills what is missing with grey and only warns. Inside a scan 0xFF is never followed by
-/// a marker, so a whole file has its end-of-image marker behind the last start-of-scan.
+/// Whether the bytes are a JPEG image with its end, by its markers: segments have lengths, and
+/// within a scan 0xFF is followed by 0 or a restart marker. What follows the end is no concern.
+bool is_whole_jpeg(const std::string& bytes) {
+  const auto byte = [&](size_t i) { return uint8_t(bytes[i]); };
+  for (size_t place = 2; place + 1 < bytes.size();) {
+    if (byte(place) != 0xff) return false;
+    const uint8_t marker = byte(place + 1);
+    if (marker == 0xd9) return true;
+    if (marker == 0xff) {  // fill
+      ++place;
+      continue;
+    }
+    const bool is_alone = marker == 0x01 || (marker >= 0xd0 && marker <= 0xd8);
+    if (!is_alone && place + 3 >= bytes.size()) return false;
+    place += is_alone ? 2 : 2 + size_t(256) * byte(place + 2) + byte(place + 3);
+    if (marker != 0xda) continue;
+    const auto is_in_scan = [&](size_t i) {
+      return byte(i) != 0xff || byte(i + 1) == 0 || (byte(i + 1) >= 0xd0 && byte(i + 1) <= 0xd7);
+    };
+    while (place + 1 < bytes.size() && is_in_scan(place)) ++place;
+  }
+  return false;
+}
+
+/// libjpeg fills what is missing with grey and only warns.
 void refuse_truncated_jpeg(const path& file, const std::string& bytes) {
-  if (!bytes.starts_with("\xff\xd8")) return;  // not a JPEG
-  const size_t scan = bytes.rfind("\xff\xda"), end = bytes.rfind("\xff\xd9");
-  if (scan != std::string::npos && end != std::string::npos && end > scan) return;
+  if (!bytes.starts_with("\xff\xd8") || is_whole_jpeg(bytes)) return;
   throw InputError(fmt::format(
       "{}: truncated JPEG, it has no end-of-image marker; copy it again or take it out of the "
       "capture",

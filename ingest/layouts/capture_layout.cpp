@@ -10,6 +10,7 @@
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/files/folders.h"
 #include "ingest/images/image_paths.h"
+#include "ingest/layouts/name_times.h"
 #include "ingest/poses/llff_poses.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
@@ -40,14 +41,9 @@ const LayoutRow& row_of(CaptureLayout layout) {
 }
 
 bool has_images(const fs::path& capture) {
-  if (!images_in(capture).empty()) return true;
-  for (const auto& entry : fs::directory_iterator(capture)) {
-    std::error_code unreachable;
-    if (entry.path().filename().string().starts_with("images") && entry.is_directory(unreachable) &&
-        !images_in(entry.path()).empty())
-      return true;
-  }
-  return false;
+  const std::vector<fs::path> folders = photo_folders(capture);
+  return std::any_of(folders.begin(), folders.end(),
+                     [](const fs::path& folder) { return !images_in(folder).empty(); });
 }
 
 namespace {
@@ -88,7 +84,9 @@ bool has_posed_photos(const fs::path& capture, std::optional<ImageLayout> image_
       !videos_in(capture).empty() || find_video_folders(capture).evidence != RigEvidence::kNone;
   const std::vector<fs::path> folders = photo_folders(capture);
   if (folders.empty()) return !has_videos && !has_image_rig(capture, image_layout);
-  if (!has_videos && find_image_sequences(capture).evidence == RigEvidence::kNone) return true;
+  const bool is_usual = model == capture || *model.lexically_relative(capture).begin() == "sparse";
+  if (is_usual && !has_videos && find_image_sequences(capture).evidence == RigEvidence::kNone)
+    return true;
   return names_photos(model, folders);
 }
 
@@ -135,6 +133,16 @@ bool is_capture(const fs::path& folder, std::optional<ImageLayout> image_layout)
   } catch (const fs::filesystem_error&) {
     return false;
   }
+}
+
+/// All images as those of one camera that moves.
+ImageSequences single_camera(const fs::path& folder) {
+  ImageSequences found{{single_sequence(folder)}, RigEvidence::kNone, ""};
+  found.number_seconds = seconds_of_names(found.cameras);
+  if (!found.number_seconds) return found;
+  found.times = name_times_text(found.cameras, *found.number_seconds);
+  count_from_first(found.cameras);
+  return found;
 }
 
 }  // namespace
@@ -211,8 +219,7 @@ CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
 ImageSequences sequences_of(const fs::path& capture, std::optional<ImageLayout> image_layout) {
   if (image_layout == ImageLayout::kMoving) {
     for (const auto& folder : {capture, capture / "images"})
-      if (fs::is_directory(folder) && !images_in(folder).empty())
-        return {{single_sequence(folder)}, RigEvidence::kNone, ""};
+      if (fs::is_directory(folder) && !images_in(folder).empty()) return single_camera(folder);
     throw InputError(fmt::format(
         "{}: has no images, in it or in images, which --layout moving reads", capture.string()));
   }

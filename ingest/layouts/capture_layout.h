@@ -33,7 +33,7 @@ const LayoutRow& row_of(CaptureLayout layout);
 inline const char* layout_name(CaptureLayout layout) {
   return row_of(layout).name;
 }
-/// True where images lie in `capture` itself or in a folder images… directly below it.
+/// True where one of photo_folders() holds images.
 bool has_images(const std::filesystem::path& capture);
 
 /// The sequences of a capture that is read as kSequences: one a camera, or with kMoving one in all.

@@ -5,7 +5,6 @@
 
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/layouts/layout_readers.h"
-#include "ingest/layouts/unread_files.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
@@ -42,11 +41,14 @@ std::string names_of(const std::vector<std::filesystem::path>& files) {
 }
 
 /// Numbered images of several cameras, or of one that moves.
-std::vector<RigClip> image_clips(const std::filesystem::path& folder,
-                                 std::optional<ImageLayout> image_layout,
-                                 std::vector<std::string>& warnings) {
+std::vector<RigClip> image_clips(const std::filesystem::path& folder, const IngestOptions& options,
+                                 Capture& capture) {
   std::vector<RigClip> clips;
-  ImageSequences found = sequences_of(folder, image_layout);
+  std::vector<std::string>& warnings = capture.warnings;
+  ImageSequences found = sequences_of(folder, options.image_layout);
+  capture.notes.push_back(fmt::format(
+      "{}: {}", folder.string(),
+      reading_text(found.cameras.size(), found.times, options.image_rate.value_or(kImageRate))));
   const auto warn_of_images = [&](const std::string& where,
                                   const std::vector<std::filesystem::path>& files) {
     if (!files.empty())
@@ -56,7 +58,8 @@ std::vector<RigClip> image_clips(const std::filesystem::path& folder,
   };
   for (ImageSequence& sequence : found.cameras) {
     warn_of_images(sequence.path.string(), sequence.unread);
-    clips.push_back({sequence.camera, sequence.path, {}, {}, std::move(sequence.images)});
+    clips.push_back(
+        {sequence.camera, sequence.path, {}, {}, std::move(sequence.images), found.number_seconds});
   }
   if (!found.in_folders)
     warn_of_images(folder.string(), found.unread);
@@ -75,10 +78,7 @@ Capture read_clip_layout(const std::filesystem::path& folder, const IngestOption
   Capture capture;
   capture.folder = folder;
   capture.layout = of_images ? "sequences" : "videos";
-  capture.clips =
-      of_images ? image_clips(folder, options.image_layout, capture.warnings) : video_clips(folder);
-  for (std::string& line : unread_clips(folder, capture.clips))
-    capture.warnings.push_back(std::move(line));
+  capture.clips = of_images ? image_clips(folder, options, capture) : video_clips(folder);
   for (const RigClip& clip : capture.clips)
     if (!clip.chapters.empty())
       capture.notes.push_back(fmt::format("{}: camera {} is {} chapters of one recording, {} to {}",

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <set>
 
+#include "ingest/calibration/model_photos.h"
 #include "ingest/images/image_names.h"
 #include "ingest/images/image_paths.h"
-#include "ingest/layouts/capture_layout.h"
+#include "ingest/layouts/name_times.h"
 #include "ingest/prepared/transforms_json.h"
 #include "ingest/test_views.h"
 
@@ -117,20 +117,29 @@ std::vector<ImageSequence> sequences_by_folder(const fs::path& folder) {
   return cameras;
 }
 
-std::set<int64_t> numbers_of(const ImageSequence& sequence) {
-  std::set<int64_t> numbers;
-  for (const NumberedImage& image : sequence.images) numbers.insert(image.number);
-  return numbers;
+/// Whether the sequence has a number at most `near` away.
+bool has_number(const ImageSequence& sequence, int64_t number, int64_t near) {
+  const auto found = std::lower_bound(
+      sequence.images.begin(), sequence.images.end(), number - near,
+      [](const NumberedImage& image, int64_t wanted) { return image.number < wanted; });
+  return found != sequence.images.end() && found->number <= number + near;
+}
+
+/// How far numbers of one timestep may lie apart: of times half a frame.
+int64_t nearness_of(const std::vector<ImageSequence>& cameras) {
+  return seconds_of_names(cameras) ? median_step(cameras) / 2 : 0;
 }
 
 /// The numbers that all sequences have.
 size_t common_numbers(const std::vector<ImageSequence>& cameras) {
-  std::set<int64_t> common = numbers_of(cameras.front());
-  for (const ImageSequence& camera : cameras) {
-    const std::set<int64_t> numbers = numbers_of(camera);
-    std::erase_if(common, [&](int64_t number) { return !numbers.contains(number); });
-  }
-  return common.size();
+  const int64_t near = nearness_of(cameras);
+  return size_t(std::count_if(cameras.front().images.begin(), cameras.front().images.end(),
+                              [&](const NumberedImage& image) {
+                                return std::all_of(cameras.begin(), cameras.end(),
+                                                   [&](const ImageSequence& camera) {
+                                                     return has_number(camera, image.number, near);
+                                                   });
+                              }));
 }
 
 /// The most images of a sequence.
@@ -185,6 +194,11 @@ ImageSequences judged(std::vector<ImageSequence> cameras, bool in_folders) {
                            in_folders ? "folders of numbered images" : "series of numbered images",
                            listed_names(names), common);
   const bool alike = is_alike(found.cameras);
+  found.number_seconds = seconds_of_names(found.cameras);
+  if (found.number_seconds) {
+    found.times = name_times_text(found.cameras, *found.number_seconds);
+    count_from_first(found.cameras);
+  }
   if (named && (alike || is_alike_but_few(found.cameras)))
     found.evidence = RigEvidence::kRig;
   else if ((named && common > 1) || (alike && common >= (in_folders ? 2 : kTelling)))
@@ -207,7 +221,11 @@ ImageSequences find_image_sequences(const fs::path& capture) {
     found.unread = std::move(named.unread);
     return found;
   }
-  if (has_images(capture)) return {};  // images_4 and the like: a photo set
+  const std::vector<fs::path> photos = photo_folders(capture);
+  if (std::any_of(photos.begin(), photos.end(), [](const fs::path& folder) {
+        return folder.filename().string().starts_with("images") && !images_in(folder).empty();
+      }))
+    return {};  // images_4 and the like: a photo set
   ImageSequences best;
   for (const fs::path& folder :
        {capture, capture / "images", capture / "ims", capture / "frames", capture / "rgb"}) {
@@ -222,13 +240,14 @@ ImageSequences find_image_sequences(const fs::path& capture) {
   return best;
 }
 
-std::string reading_text(size_t cameras, double rate) {
+std::string reading_text(size_t cameras, const std::string& times, double rate) {
   return fmt::format(
-      "numbered images are read as those of {}, number N at N / {} s (--fps changes the rate; pass "
-      "--layout photos if they are photos of a scene that stands still)",
+      "numbered images are read as those of {}, {} (pass --layout photos if they are photos of a "
+      "scene that stands still)",
       cameras == 1 ? "one camera that moves"
                    : fmt::format("{} cameras that film together", cameras),
-      rate);
+      times.empty() ? fmt::format("number N at N / {} s: --fps changes the rate", rate)
+                    : "whose numbers are " + times);
 }
 
 ImageSequence single_sequence(const fs::path& folder) {

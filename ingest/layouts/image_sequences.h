@@ -3,10 +3,12 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "ingest/images/image_paths.h"
+#include "ingest/video/frame_timing.h"
 
 namespace tessera {
 
@@ -31,6 +33,8 @@ struct ImageSequences {
   std::string seen;         // "3 folders of numbered images (a, b, c), 8 numbers in all of them"
   bool in_folders = false;  // one folder a sequence; false: all lie in one folder
   std::vector<std::filesystem::path> unread{};  // what lies beside them and looks alike
+  std::optional<Rational> number_seconds{};     // where the numbers are times
+  std::string times{};                          // what these are, for people
 };
 
 /// Of images directly in `capture` or its `images`, by their names: cam00_0001.png,
@@ -39,8 +43,9 @@ struct ImageSequences {
 /// capture/images… are sizes of one photo set, never cameras.
 ImageSequences find_image_sequences(const std::filesystem::path& capture);
 
-/// How numbered images of so many cameras are read, for people; `rate`: numbers a second.
-std::string reading_text(size_t cameras, double rate);
+/// How numbered images of so many cameras are read, for people; `times`: of ImageSequences; `rate`:
+/// numbers a second where they are none.
+std::string reading_text(size_t cameras, const std::string& times, double rate);
 
 /// All images of `folder` as one sequence: by the numbers that their names end with, where these
 /// differ, else counted in the order of names.

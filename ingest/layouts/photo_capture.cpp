@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "ingest/calibration/model_photos.h"
 #include "ingest/images/image_index.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/layouts/image_sequences.h"
@@ -36,21 +37,20 @@ ColmapModel read_llff_photos(const std::filesystem::path& poses,
   return model;
 }
 
-/// `images` or the folder that is named; where neither is there, the only one called images_N.
+/// `images` or the folder that is named; where neither is there, the only one of photo_folders().
 std::filesystem::path image_folder(const std::filesystem::path& capture, const std::string& named) {
   const auto stated = capture / (named.empty() ? "images" : named);
   if (std::filesystem::is_directory(stated)) return stated;
-  std::vector<std::string> others;
-  for (const auto& entry : std::filesystem::directory_iterator(capture))
-    if (entry.is_directory() && entry.path().filename().string().starts_with("images"))
-      others.push_back(entry.path().filename().string());
-  std::sort(others.begin(), others.end());
-  if (named.empty() && others.empty() && !images_in(capture).empty()) return capture;
-  if (named.empty() && others.size() == 1) return capture / others.front();
+  const std::vector<std::filesystem::path> folders = photo_folders(capture);
+  if (named.empty() && folders.size() == 1) return folders.front();
+  std::vector<std::string> names;
+  for (const std::filesystem::path& folder : folders)
+    if (folder != capture) names.push_back(folder.filename().string());
+  std::sort(names.begin(), names.end());
   throw InputError(fmt::format(
       "{}: no such folder; {}", stated.string(),
-      others.empty() ? "put the photos that the poses were made of there"
-                     : fmt::format("pass --images with one of {}", listed_names(others))));
+      names.empty() ? "put the photos that the poses were made of there"
+                    : fmt::format("pass --images with one of {}", listed_names(names))));
 }
 
 void count_unregistered(const Capture& capture, bool strict, std::vector<std::string>& warnings) {

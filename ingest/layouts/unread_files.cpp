@@ -1,17 +1,13 @@
-// Goes by the names of the files; none is opened.
+// Goes by a listing, from which the files that were taken are gone.
 #include "ingest/layouts/unread_files.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
-#include <set>
-#include <string_view>
 
 #include "ingest/images/image_names.h"
-#include "ingest/images/image_paths.h"
-#include "ingest/layouts/video_files.h"
+#include "ingest/images/listing.h"
 #include "ingest/test_views.h"
 #include "kernels/base/lower_case.h"
 
@@ -20,112 +16,132 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The extension in small letters where it is one of media that nothing here reads, else "".
-std::string unread_extension(const fs::path& file) {
-  constexpr std::array<std::string_view, 16> kUnread{
-      ".heic", ".heif", ".avif", ".jp2", ".dng", ".cr2", ".cr3",  ".nef",
-      ".arw",  ".raf",  ".gif",  ".m4v", ".mts", ".mxf", ".insv", ".360"};
-  std::string extension = lower_case(file.extension().string());
-  const bool is_unread = std::find(kUnread.begin(), kUnread.end(), extension) != kUnread.end();
-  return is_unread ? extension : "";
+std::vector<std::string> other_media_lines(const fs::path& capture,
+                                           const std::vector<ListedFile>& files) {
+  std::map<std::string, int64_t> counts;
+  for (const ListedFile& file : files)
+    if (file.kind == FileKind::kOtherMedia) ++counts[lower_case(file.path.extension().string())];
+  std::vector<std::string> lines;
+  for (const auto& [extension, count] : counts)
+    lines.push_back(fmt::format(
+        "{}: {} {} {} not read; to use them, convert them to JPEG or PNG, or videos to MP4",
+        capture.string(), count, extension.empty() ? "image without extension" : extension,
+        count == 1 ? "file is" : "files are"));
+  return lines;
 }
 
-/// In it or one level below.
-bool holds_images(const fs::path& folder, int levels = 1) {
-  std::error_code unreachable;
-  for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
-    std::error_code unresolved;
-    if (entry.path().filename().string().starts_with('.')) continue;
-    if (is_image_name(entry.path())) return true;
-    if (levels > 0 && entry.is_directory(unresolved) && holds_images(entry.path(), levels - 1))
-      return true;
-  }
-  return false;
+std::string below(const fs::path& path, const fs::path& capture) {
+  return path.lexically_relative(capture).generic_string();
 }
 
-/// Down to so many levels, by name; hidden ones are left out.
-std::vector<fs::path> folders_below(const fs::path& folder, int levels) {
-  std::vector<fs::path> found;
-  std::error_code unreachable;
-  for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
-    std::error_code unresolved;
-    if (entry.path().filename().string().starts_with('.') || !entry.is_directory(unresolved))
-      continue;
-    found.push_back(entry.path());
-    if (levels == 1) continue;
-    const std::vector<fs::path> inner = folders_below(entry.path(), levels - 1);
-    found.insert(found.end(), inner.begin(), inner.end());
-  }
-  std::sort(found.begin(), found.end());
-  return found;
+/// Tables that speak of cameras, by folder and extension; those of a rig beside its clips are named
+/// with its calibration.
+std::vector<std::string> table_lines(const fs::path& capture, const std::vector<ListedFile>& files,
+                                     bool of_clips) {
+  std::map<std::string, std::vector<fs::path>> groups;
+  for (const ListedFile& file : files)
+    if (file.kind == FileKind::kTable && !(of_clips && file.path.parent_path() == capture) &&
+        speaks_of_cameras(file.path))
+      groups[(file.path.parent_path() / file.path.extension()).string()].push_back(file.path);
+  std::vector<std::string> lines;
+  for (const auto& [group, tables] : groups)
+    lines.push_back(
+        fmt::format("{}: not read, though {} to state cameras: {}{}", capture.string(),
+                    tables.size() == 1 ? "it seems" : "they seem", below(tables.front(), capture),
+                    tables.size() == 1 ? "" : fmt::format(" and {} like it", tables.size() - 1)));
+  return lines;
+}
+
+bool lies_below(const fs::path& file, const fs::path& folder) {
+  const fs::path inside = file.lexically_relative(folder);
+  return !inside.empty() && *inside.begin() != "..";
+}
+
+/// How many images each folder holds, of those without a file that was taken.
+std::map<std::string, int64_t> folders_of_images(const fs::path& capture,
+                                                 const std::vector<ListedFile>& files,
+                                                 const std::set<fs::path>& taken) {
+  std::set<fs::path> of_taken;
+  for (const fs::path& file : taken) of_taken.insert(file.parent_path());
+  std::map<std::string, int64_t> counts;
+  for (const ListedFile& file : files)
+    if (file.kind == FileKind::kImage &&
+        !of_taken.contains(file.path.parent_path().lexically_normal()))
+      ++counts[below(file.path.parent_path(), capture)];
+  return counts;
 }
 
 }  // namespace
 
-std::vector<std::string> unread_files(const fs::path& capture, bool has_masks) {
-  constexpr int kLevels = 2;
-  std::vector<std::string> lines;
-  std::map<std::string, int64_t> counts;
-  std::vector<fs::path> folders = folders_below(capture, kLevels);
-  folders.push_back(capture);
-  for (const fs::path& folder : folders) {
-    std::error_code unreachable;
-    for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
-      std::error_code unresolved;
-      const fs::path& file = entry.path();
-      const bool is_file = !entry.is_directory(unresolved);
-      const std::string extension = is_file ? unread_extension(file) : "";
-      if (!extension.empty() && !file.filename().string().starts_with('.')) ++counts[extension];
-    }
+std::set<fs::path> taken_files(const Capture& capture) {
+  std::set<fs::path> taken;
+  const auto take = [&](const fs::path& file) {
+    if (!file.empty()) taken.insert(file.lexically_normal());
+  };
+  for (const CaptureFrame& frame : capture.frames) {
+    take(frame.image);
+    take(frame.mask);
   }
-  for (const auto& [extension, count] : counts)
-    lines.push_back(fmt::format(
-        "{}: {} {} {} not read; to use them, convert them to JPEG or PNG, or videos to MP4",
-        capture.string(), count, extension, count == 1 ? "file is" : "files are"));
-  if (const fs::path masks = capture / "masks"; !has_masks && holds_images(masks))
-    lines.push_back(
-        fmt::format("{}: holds images and is not read; to ignore what is black there, "
-                    "pass --masks {}",
-                    masks.string(), masks.string()));
-  return lines;
+  for (const RigClip& clip : capture.clips) {
+    take(clip.video);
+    for (const fs::path& chapter : clip.chapters) take(chapter);
+    for (const NumberedImage& image : clip.images) take(image.file);
+  }
+  if (!capture.photos.empty())  // what a model does not name is named with it
+    for (const ListedFile& file : list_files(capture.photos))
+      if (file.kind == FileKind::kImage) take(file.path);
+  for (const auto& [name, file] : capture.files) take(file);
+  return taken;
 }
 
-std::vector<std::string> unread_clips(const fs::path& capture, const std::vector<RigClip>& clips) {
-  std::vector<std::string> lines, unread;
-  std::set<fs::path> read;
-  std::set<std::string> names;
-  for (const RigClip& clip : clips) {
-    read.insert(clip.video);
-    read.insert(clip.chapters.begin(), clip.chapters.end());
-    names.insert(clip.name);
+UnreadFiles unread_files(const fs::path& capture, const std::set<fs::path>& taken,
+                         const fs::path& masks, bool of_clips) {
+  std::vector<ListedFile> files = list_files(capture);
+  std::erase_if(files, [&](const ListedFile& file) {
+    return taken.contains(file.path.lexically_normal()) ||
+           lies_below(file.path, capture / "masks") ||
+           (!masks.empty() && lies_below(file.path, masks));
+  });
+  UnreadFiles unread;
+  unread.warnings = other_media_lines(capture, files);
+  std::vector<std::string> videos, cameras, folders;
+  for (const ListedFile& file : files)
+    if (file.kind == FileKind::kVideo) videos.push_back(below(file.path, capture));
+  if (!videos.empty())
+    unread.warnings.push_back(fmt::format(
+        "{}: not read, though they are videos: {}{}", capture.string(), listed_names(videos),
+        of_clips ? "; the videos of a rig lie side by side, or each in a folder of its own" : ""));
+  for (std::string& line : table_lines(capture, files, of_clips))
+    unread.notes.push_back(std::move(line));
+  for (const auto& [folder, count] : folders_of_images(capture, files, taken)) {
+    const bool is_camera = of_clips && is_camera_name(fs::path(folder).filename().string());
+    (is_camera ? cameras : folders)
+        .push_back(fmt::format("{} ({} image{})", folder, count, count == 1 ? "" : "s"));
   }
-  const bool of_videos = clips.empty() || clips.front().images.empty();
-  for (const fs::path& folder : of_videos ? folders_below(capture, 2) : std::vector<fs::path>{})
-    for (const fs::path& video : videos_in(folder))
-      if (!read.contains(video))
-        unread.push_back(video.lexically_relative(capture).generic_string());
-  if (!unread.empty())
-    lines.push_back(
-        fmt::format("{}: not read, though they are videos: {}; the videos of a rig lie side by "
-                    "side, or each in a folder of its own",
-                    capture.string(), listed_names(unread)));
-  unread.clear();
-  for (const char* place : {"", "images", "ims", "frames", "rgb"})
-    for (const fs::path& folder : folders_below(capture / place, 1)) {
-      const std::string name = folder.filename().string();
-      if (is_camera_name(name) && !names.contains(name) && holds_images(folder))
-        unread.push_back(folder.lexically_relative(capture).generic_string());
-    }
-  if (!unread.empty())
-    lines.push_back(fmt::format(
+  if (!cameras.empty())
+    unread.warnings.push_back(fmt::format(
         "{}: not read, though they are called like cameras and hold images: {}; the images of a "
         "camera are one series, numbered as those of the others",
-        capture.string(), listed_names(unread)));
-  return lines;
+        capture.string(), listed_names(cameras)));
+  if (!folders.empty())
+    unread.notes.push_back(
+        fmt::format("{}: not read: {}", capture.string(), listed_names(folders)));
+  return unread;
+}
+
+std::string unused_masks(const fs::path& capture) {
+  const fs::path masks = capture / "masks";
+  for (const ListedFile& file : list_files(masks))
+    if (file.kind == FileKind::kImage)
+      return fmt::format(
+          "{}: holds images and is not read; to ignore what is black there, pass --masks {}",
+          masks.string(), masks.string());
+  return "";
 }
 
 std::string with_unread_files(std::string error, const fs::path& capture) {
-  for (const std::string& line : unread_files(capture, true)) error += "; " + line;
+  for (const std::string& line : other_media_lines(capture, list_files(capture)))
+    error += "; " + line;
   return error;
 }
 

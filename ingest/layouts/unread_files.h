@@ -1,25 +1,33 @@
 // What lies in a capture and is not read, although its user may think so.
 #pragma once
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
-#include "ingest/video/clip.h"
+#include "ingest/capture/capture.h"
 
 namespace tessera {
 
-/// A line for each extension of images and videos that this program does not read, with their
-/// number, and one for masks that lie beside the images where `has_masks` is false. Looks at the
-/// capture and two levels below; hidden files and folders do not count, and folders that cannot be
-/// listed are passed over.
-std::vector<std::string> unread_files(const std::filesystem::path& capture, bool has_masks);
+/// The files that the frames, clips and calibration of a capture are made of.
+std::set<std::filesystem::path> taken_files(const Capture& capture);
 
-/// A line for videos below a capture of videos, and one for folders that are called like cameras
-/// and hold images, which are none of `clips`. Looks two levels and one level below.
-std::vector<std::string> unread_clips(const std::filesystem::path& capture,
-                                      const std::vector<RigClip>& clips);
+struct UnreadFiles {
+  std::vector<std::string> warnings, notes;
+};
 
-/// `error` with what unread_files() says of images and videos behind it, in one line: where a
+/// A warning for each extension of images and videos that this program does not read, with their
+/// number, for videos that are not among `taken`, and, of a capture of clips, for folders that are
+/// called like cameras and hold images, none of them taken. Other folders of images, where copies
+/// of other sizes and depths lie, are one note. Masks, and the folder `masks` of options, are none.
+UnreadFiles unread_files(const std::filesystem::path& capture,
+                         const std::set<std::filesystem::path>& taken,
+                         const std::filesystem::path& masks, bool of_clips);
+
+/// A line for masks that lie beside the images and are not used; "" where there are none.
+std::string unused_masks(const std::filesystem::path& capture);
+
+/// `error` with what is said of images and videos that are not read behind it, in one line: where a
 /// capture is refused they may be the reason.
 std::string with_unread_files(std::string error, const std::filesystem::path& capture);
 

@@ -1,15 +1,15 @@
-// Goes by the names of the files; none is opened.
+// Goes by the names of the files, and by the first bytes of those whose names say nothing.
 #include "ingest/layouts/video_files.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
 #include <set>
 
 #include "ingest/images/image_names.h"
+#include "ingest/images/listing.h"
 #include "ingest/prepared/transforms_json.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
@@ -83,15 +83,13 @@ bool has_poses(const fs::path& folder) {
 }  // namespace
 
 std::vector<fs::path> videos_in(const fs::path& folder) {
-  constexpr std::array<const char*, 5> kExtensions{".mp4", ".mkv", ".mov", ".avi", ".webm"};
   std::vector<fs::path> videos;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string extension = lower_case(entry.path().extension().string());
-    const bool is_video =
-        std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
     const bool is_hidden = entry.path().filename().string().front() == '.';
     std::error_code unreachable;  // a link to itself is opened later, and named then
-    if (is_video && !is_hidden && !entry.is_directory(unreachable)) videos.push_back(entry.path());
+    if (!is_hidden && !entry.is_directory(unreachable) &&
+        kind_of_file(entry.path()) == FileKind::kVideo)
+      videos.push_back(entry.path());
   }
   std::sort(videos.begin(), videos.end());
   return videos;

@@ -14,16 +14,20 @@ struct CameraEntry {
   nlohmann::json values;
 };
 
-/// The cameras of `file`, in its order:
+struct CameraEntries {
+  std::vector<CameraEntry> entries;  // in the order of the file
+  nlohmann::json shared;             // what the file states of all of them
+};
+
+/// The cameras of `file`:
 /// - those of its list or object `cameras` or `frames`, or of a list that the file is, called
 ///   `name` (in an object: its key), else by the camera of a prepared scene, else by `file_path`
-///   without extension;
-/// - K_NAME, D_NAME or dist_NAME, Rot_NAME or R_NAME, T_NAME, W_NAME and H_NAME of each NAME;
+///   without extension; what stands beside them, and in an object `intrinsics`, holds for all;
+/// - K_NAME, Rot_NAME or R_NAME, T_NAME and others that end with the same NAME;
 /// - one camera, called `name`, else as the file without extension;
 /// - the members of an object of cameras, called by their keys.
 /// `path` is for messages and the name. Errors: InputError naming the file: none of these, an entry
 /// that is no object.
-std::vector<CameraEntry> camera_entries(const nlohmann::json& file,
-                                        const std::filesystem::path& path);
+CameraEntries camera_entries(const nlohmann::json& file, const std::filesystem::path& path);
 
 }  // namespace tessera

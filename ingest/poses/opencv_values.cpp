@@ -11,40 +11,41 @@
 #include <initializer_list>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <vector>
 
-#include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
-#include "kernels/base/lower_case.h"
 
 namespace tessera {
 namespace {
 
 using nlohmann::json;
-using Keys = std::initializer_list<const char*>;
+using Names = std::initializer_list<std::string_view>;
+using Stated = StatedObject::Member;
 
-constexpr Keys kMatrixKeys{"K",   "camera_matrix", "cameraMatrix", "CameraMatrix",
-                           "mtx", "intrinsics"};
-constexpr Keys kDistortionKeys{
-    "D", "dist", "distCoeffs", "dist_coeffs", "distortion_coefficients", "Distortion_Coefficients"};
-constexpr Keys kRotationKeys{"R_w2c", "R", "Rot", "rotation_matrix", "rvec", "Rvec"};
-constexpr Keys kTranslationKeys{"t_w2c", "T_w2c", "T", "t", "tvec", "Tvec"};
-constexpr Keys kPoseKeys{"w2c", "extrinsics", "extrinsic", "RT", "Rt"};
+const Names kMatrixNames{"k",   "cameramatrix", "intrinsicmatrix", "kmatrix",
+                         "mtx", "intrinsics",   "intrinsic"};
+const Names kRotationNames{"rw2c", "r", "rot", "rotation", "rotationmatrix", "rvec"};
+const Names kTranslationNames{"tw2c", "t", "trans", "translation", "tvec", "translationvector"};
+const Names kPoseNames{"w2c", "extrinsics", "extrinsic", "extrinsicmatrix", "rt", "worldtocamera"};
 
-struct Stated {
-  const char* key;
-  const json* value;
-  explicit operator bool() const { return value != nullptr; }
-};
-
-/// The first of `keys` that is there with a list or a matrix of OpenCV; without a value where none
+/// The first of `names` that is there with a list or a matrix of OpenCV; without a value where none
 /// is.
-Stated find_matrix(const json& object, Keys keys) {
-  for (const char* key : keys)
-    if (const auto found = object.find(key);
-        found != object.end() && (!found->is_object() || found->contains("data")))
-      return {key, &*found};
-  return {nullptr, nullptr};
+Stated find_matrix(const StatedObject& object, Names names) {
+  for (const std::string_view name : names)
+    if (Stated found = object.named({name}); found)
+      if (!found.value->is_object() || found.value->contains("data")) return found;
+  return {};
+}
+
+/// A list of coefficients, whatever follows "dist" in its key that speaks of them.
+Stated find_distortion(const StatedObject& object) {
+  return object.first([](const std::string& key, const json& value) {
+    const std::string rest = key.starts_with("dist") ? key.substr(4) : "no";
+    const bool speaks = rest.empty() || rest.starts_with("ortion") || rest.starts_with("coef") ||
+                        rest.starts_with("param") || rest.starts_with("vec");
+    return (key == "d" || speaks) && (value.is_array() || value.is_object());
+  });
 }
 
 void flatten(const json& value, std::vector<double>& all) {
@@ -59,7 +60,8 @@ void flatten(const json& value, std::vector<double>& all) {
 std::vector<double> numbers(const Stated& stated, const std::vector<size_t>& counts,
                             const std::string& where) {
   std::vector<double> all;
-  flatten(stated.value->is_object() ? (*stated.value)["data"] : *stated.value, all);
+  const bool is_stored = stated.value->is_object() && stated.value->contains("data");
+  flatten(is_stored ? (*stated.value)["data"] : *stated.value, all);
   bool fits = std::find(counts.begin(), counts.end(), all.size()) != counts.end();
   for (const double value : all) fits = fits && std::isfinite(value);
   if (!fits)
@@ -68,32 +70,69 @@ std::vector<double> numbers(const Stated& stated, const std::vector<size_t>& cou
   return all;
 }
 
-std::optional<int> whole_pixels(double value, const char* key, const std::string& where) {
+int whole_pixels(double value, const std::string& key, const std::string& where) {
   if (!(value >= 1 && value <= (1 << 20)) || value != std::floor(value))
     throw InputError(fmt::format("{}: {} is {}, expected a whole number of pixels; correct it",
                                  where, key, value));
   return int(value);
 }
 
-void read_size(const json& object, const std::string& where, StatedIntrinsics& stated) {
-  for (const char* key : {"width", "image_width"})
-    if (const auto value = finite_number(object, key, where))
-      stated.w = whole_pixels(*value, key, where);
-  for (const char* key : {"height", "image_height"})
-    if (const auto value = finite_number(object, key, where))
-      stated.h = whole_pixels(*value, key, where);
-  const Stated size = find_matrix(object, {"imgsize", "imgSize", "image_size", "img_size"});
+void read_size(const StatedObject& object, StatedIntrinsics& stated) {
+  const auto side = [&](Names names, std::optional<int>& to) {
+    if (const Stated found = object.named(names); found && !found.value->is_array())
+      to = whole_pixels(*object.number(found.key), found.key, object.where());
+  };
+  side({"width", "imagewidth"}, stated.w);
+  side({"height", "imageheight"}, stated.h);
+  const Stated size = find_matrix(object, {"imgsize", "imagesize", "framesize", "resolution"});
   if (!size) return;
-  const std::vector<double> sides = numbers(size, {2}, where);
-  stated.w = whole_pixels(sides[0], size.key, where);
-  stated.h = whole_pixels(sides[1], size.key, where);
+  const std::vector<double> sides = numbers(size, {2}, object.where());
+  stated.w = whole_pixels(sides[0], size.key, object.where());
+  stated.h = whole_pixels(sides[1], size.key, object.where());
 }
 
-bool is_fisheye(const json& object, const std::string& where) {
-  for (const char* key : {"is_fisheye", "fisheye", "fisheye_model"})
-    if (const auto found = object.find(key); found != object.end())
-      if (is_true(object, key) || (found->is_number() && found->get<double>() != 0)) return true;
-  return lower_case(string_at(object, "camera_model", where)).find("fisheye") != std::string::npos;
+/// Whether one of the keys of a projection says so; a projection that is neither a pinhole with
+/// OpenCV's coefficients nor cv::fisheye is refused.
+bool is_fisheye(const StatedObject& object) {
+  bool fisheye = false;
+  for (const std::string_view name : {"isfisheye", "fisheye", "fisheyemodel"})
+    if (const Stated found = object.named({name}); found)
+      fisheye = fisheye || (found.value->is_number() ? *found.value != 0 : *found.value == true);
+  for (const std::string_view name :
+       {"cameramodel", "distortionmodel", "lensmodel", "projection", "projectionmodel",
+        "projectiontype", "cameratype", "distortiontype", "lenstype"}) {
+    const Stated found = object.named({name});
+    if (!found || !found.value->is_string()) continue;
+    const std::string model = plain_key(found.value->get<std::string>());
+    constexpr std::array<std::string_view, 4> kFisheye{"equidistant", "kannalabrandt",
+                                                       "kannalabrandt4", "kb4"};
+    constexpr std::array<std::string_view, 15> kPerspective{"",
+                                                            "none",
+                                                            "perspective",
+                                                            "pinhole",
+                                                            "simplepinhole",
+                                                            "simpleradial",
+                                                            "radial",
+                                                            "opencv",
+                                                            "fullopencv",
+                                                            "brown",
+                                                            "brownconrady",
+                                                            "plumbbob",
+                                                            "radtan",
+                                                            "radialtangential",
+                                                            "rationalpolynomial"};
+    const auto is_one_of = [&](const auto& models) {
+      return std::find(models.begin(), models.end(), model) != models.end();
+    };
+    if (model.find("fisheye") != std::string::npos || is_one_of(kFisheye))
+      fisheye = true;
+    else if (!is_one_of(kPerspective))
+      throw InputError(fmt::format(
+          "{}: {} '{}' is not supported; there are a pinhole with OpenCV's coefficients and its "
+          "fisheye: undistort the images with the program that calibrated them",
+          object.where(), found.key, found.value->get<std::string>()));
+  }
+  return fisheye;
 }
 
 using Rows = std::array<std::array<double, 4>, 3>;  // rotation | translation
@@ -111,22 +150,25 @@ std::vector<double> rotation_of(const std::vector<double>& stated) {
 }
 
 /// R and T beside each other; nothing where neither is there.
-std::optional<Rows> parts(const json& object, Keys rotation_keys, Keys translation_keys,
-                          const std::string& where) {
-  const Stated rotation = find_matrix(object, rotation_keys);
-  const Stated translation = find_matrix(object, translation_keys);
+std::optional<Rows> parts(const StatedObject& object, Names rotation_names,
+                          Names translation_names) {
+  const std::string& where = object.where();
+  const Stated rotation = find_matrix(object, rotation_names);
+  const Stated translation = find_matrix(object, translation_names);
   if (!rotation && !translation) return std::nullopt;
   if (!rotation)
     throw InputError(
         fmt::format("{}: has {} and no rotation; add R (3x3) or rvec", where, translation.key));
-  const std::string key = rotation.key;
-  const std::vector<size_t> counts = key.starts_with("R_")       ? std::vector<size_t>{9}
-                                     : lower_case(key) == "rvec" ? std::vector<size_t>{3}
-                                                                 : std::vector<size_t>{9, 3};
+  const std::string& key = rotation.key;
+  const std::string name = plain_key(key);
+  const bool is_directed = name == "rw2c" || name == "rc2w";
+  const std::vector<size_t> counts = is_directed      ? std::vector<size_t>{9}
+                                     : name == "rvec" ? std::vector<size_t>{3}
+                                                      : std::vector<size_t>{9, 3};
   const std::vector<double> r = rotation_of(numbers(rotation, counts, where));
   if (!translation)
     throw InputError(fmt::format("{}: has {} and no translation; add {}", where, key,
-                                 key.starts_with("R_") ? *translation_keys.begin() : "T"));
+                                 is_directed ? "t_" + key.substr(2) : "T"));
   const std::vector<double> t = numbers(translation, {3}, where);
   Rows rows{};
   for (size_t i = 0; i < 3; ++i) rows[i] = {r[3 * i], r[3 * i + 1], r[3 * i + 2], t[i]};
@@ -134,9 +176,10 @@ std::optional<Rows> parts(const json& object, Keys rotation_keys, Keys translati
 }
 
 /// One matrix of 3x4 or 4x4; nothing where none is there.
-std::optional<Rows> whole(const json& object, Keys keys, const std::string& where) {
-  const Stated matrix = find_matrix(object, keys);
+std::optional<Rows> whole(const StatedObject& object, Names names) {
+  const Stated matrix = find_matrix(object, names);
   if (!matrix) return std::nullopt;
+  const std::string& where = object.where();
   const std::vector<double> values = numbers(matrix, {12, 16}, where);
   if (values.size() == 16 &&
       (values[12] != 0 || values[13] != 0 || values[14] != 0 || values[15] != 1))
@@ -168,11 +211,12 @@ PoseRows gl_rows_of_camera_to_world(Rows c2w) {
 
 }  // namespace
 
-StatedIntrinsics opencv_intrinsics(const json& object, const std::string& where) {
+StatedIntrinsics opencv_intrinsics(const StatedObject& object) {
   StatedIntrinsics stated;
-  read_size(object, where, stated);
-  const Stated matrix = find_matrix(object, kMatrixKeys);
+  read_size(object, stated);
+  const Stated matrix = find_matrix(object, kMatrixNames);
   if (!matrix) return stated;
+  const std::string& where = object.where();
   const std::vector<double> k = numbers(matrix, {9}, where);
   const double tolerance = 1e-6 * std::abs(k[0]);
   if (std::abs(k[1]) > tolerance || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
@@ -186,13 +230,15 @@ StatedIntrinsics opencv_intrinsics(const json& object, const std::string& where)
   return stated;
 }
 
-std::optional<StatedLens> opencv_lens(const json& entry, const json& file,
-                                      const std::string& where) {
-  const Stated of_entry = find_matrix(entry, kDistortionKeys);
-  const Stated stated = of_entry ? of_entry : find_matrix(file, kDistortionKeys);
+std::optional<StatedLens> opencv_lens(const StatedObject& entry, const StatedObject& file) {
+  const std::string& where = entry.where();
+  const Stated of_entry = find_distortion(entry);
+  const Stated stated = of_entry ? of_entry : find_distortion(file);
   if (!stated) return std::nullopt;
   StatedLens lens;
-  if (is_fisheye(entry, where) || is_fisheye(file, where)) {
+  if (stated.value->empty()) return lens;
+  const bool of_entry_fisheye = is_fisheye(entry);
+  if (is_fisheye(file) || of_entry_fisheye) {
     const std::vector<double> d = numbers(stated, {4}, where);
     lens.lens.projection = Lens::Projection::kFisheye;
     lens.lens.k1 = d[0], lens.lens.k2 = d[1], lens.lens.k3 = d[2], lens.lens.k4 = d[3];
@@ -215,13 +261,13 @@ std::optional<StatedLens> opencv_lens(const json& entry, const json& file,
   return lens;
 }
 
-std::optional<PoseRows> opencv_pose(const json& object, const std::string& where) {
-  if (const auto rows = parts(object, kRotationKeys, kTranslationKeys, where))
+std::optional<PoseRows> opencv_pose(const StatedObject& object) {
+  if (const auto rows = parts(object, kRotationNames, kTranslationNames))
     return gl_rows_of_world_to_camera(*rows);
-  if (const auto rows = whole(object, kPoseKeys, where)) return gl_rows_of_world_to_camera(*rows);
-  if (const auto rows = parts(object, {"R_c2w"}, {"t_c2w", "T_c2w"}, where))
+  if (const auto rows = whole(object, kPoseNames)) return gl_rows_of_world_to_camera(*rows);
+  if (const auto rows = parts(object, {"rc2w"}, {"tc2w"})) return gl_rows_of_camera_to_world(*rows);
+  if (const auto rows = whole(object, {"c2w", "cameratoworld"}))
     return gl_rows_of_camera_to_world(*rows);
-  if (const auto rows = whole(object, {"c2w"}, where)) return gl_rows_of_camera_to_world(*rows);
   return std::nullopt;
 }
 

@@ -5,6 +5,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "ingest/poses/camera_entries.h"
 #include "ingest/poses/opencv_values.h"
@@ -17,11 +18,11 @@ namespace {
 using nlohmann::json;
 using std::filesystem::path;
 
-StatedIntrinsics intrinsics_at(const json& object, const std::string& where) {
-  StatedIntrinsics stated = intrinsics_of(object, where);
-  if (!stated.fl_x) stated.fl_x = finite_number(object, "fx", where);
-  if (!stated.fl_y) stated.fl_y = finite_number(object, "fy", where);
-  return stated.or_else(opencv_intrinsics(object, where));
+StatedIntrinsics intrinsics_at(const StatedObject& object) {
+  StatedIntrinsics stated = intrinsics_of(object);
+  if (!stated.fl_x) stated.fl_x = object.number("fx");
+  if (!stated.fl_y) stated.fl_y = object.number("fy");
+  return stated.or_else(opencv_intrinsics(object));
 }
 
 /// Errors: InputError: no focal length; no size, which alone K and a principal point do without.
@@ -41,32 +42,27 @@ void put_intrinsics(Camera& camera, const StatedIntrinsics& stated, const std::s
   set_intrinsics(camera, stated, *stated.w, *stated.h, where);
 }
 
-PoseRows pose_at(const json& entry, const std::string& where) {
-  if (!entry.contains("transform_matrix") || entry.contains("R_w2c")) {
-    if (const auto rows = opencv_pose(entry, where)) return *rows;
-    throw InputError(fmt::format(
-        "{}: has no pose; add R and T (world to camera, as OpenCV has them) or transform_matrix",
-        where));
-  }
-  return pose_rows(entry, where);
+PoseRows pose_at(const StatedObject& entry) {
+  if (entry.has("transform_matrix") && !entry.has("R_w2c")) return pose_rows(entry);
+  if (const auto rows = opencv_pose(entry)) return *rows;
+  throw InputError(fmt::format(
+      "{}: has no pose; add R and T (world to camera, as OpenCV has them) or transform_matrix",
+      entry.where()));
 }
 
-RigCamera parse_camera(const CameraEntry& entry, const json& file, const std::string& file_where) {
-  static const json kNone = json::object();
-  const bool has_shared =
-      file.is_object() && file.contains("intrinsics") && file["intrinsics"].is_object();
-  const json& shared = has_shared ? file["intrinsics"] : file.is_object() ? file : kNone;
+RigCamera parse_camera(const CameraEntry& entry, const StatedObject& shared,
+                       std::set<std::string>& unread) {
+  const StatedObject values(entry.values, entry.where);
+  for (const char* key : {"name", "file_path", "tessera"}) values.take(key);
   RigCamera camera;
   camera.name = entry.name;
-  put_intrinsics(
-      camera.camera,
-      intrinsics_at(entry.values, entry.where).or_else(intrinsics_at(shared, file_where)),
-      entry.where);
-  set_pose(camera.camera, pose_at(entry.values, entry.where), entry.where);
-  const auto opencv = opencv_lens(entry.values, shared, entry.where);
-  const StatedLens lens = opencv ? *opencv : stated_lens(entry.values, shared, entry.where);
+  put_intrinsics(camera.camera, intrinsics_at(values).or_else(intrinsics_at(shared)), entry.where);
+  set_pose(camera.camera, pose_at(values), entry.where);
+  const auto opencv = opencv_lens(values, shared);
+  const StatedLens lens = opencv ? *opencv : stated_lens(values, shared);
   camera.lens = lens.lens;
   camera.lens_model = lens.model;
+  account_for(values, unread);
   return camera;
 }
 
@@ -88,12 +84,16 @@ Camera camera_in_size(const Camera& stated, int width, int height, const std::st
 
 }  // namespace
 
-std::vector<RigCamera> rig_cameras_of(const json& file, const path& path) {
+std::vector<RigCamera> rig_cameras_of(const json& file, const path& path,
+                                      std::vector<std::string>& notes) {
   const std::string where = path.string();
+  const CameraEntries found = camera_entries(file, path);
+  const StatedObject shared(found.shared, where);
   std::vector<RigCamera> cameras;
   std::map<std::string, size_t> places;
-  for (const CameraEntry& entry : camera_entries(file, path)) {
-    RigCamera camera = parse_camera(entry, file, where);
+  std::set<std::string> unread;
+  for (const CameraEntry& entry : found.entries) {
+    RigCamera camera = parse_camera(entry, shared, unread);
     const auto [known, is_new] = places.emplace(camera.name, cameras.size());
     if (is_new)
       cameras.push_back(std::move(camera));
@@ -102,11 +102,10 @@ std::vector<RigCamera> rig_cameras_of(const json& file, const path& path) {
           "{}: lists camera '{}' with different poses; a rig's camera has one: remove the others",
           where, camera.name));
   }
+  account_for(shared, unread);
+  if (std::string line = unread_keys_line(where, unread); !line.empty())
+    notes.push_back(std::move(line));
   return cameras;
-}
-
-std::vector<RigCamera> read_rig_json(const path& file) {
-  return rig_cameras_of(read_json(file), file);
 }
 
 Camera camera_of_image(const Camera& stated, int width, int height, int shown_width,

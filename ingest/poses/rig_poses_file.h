@@ -18,12 +18,10 @@ namespace tessera {
 ///   are 0 where focal lengths and principal point are stated without a size.
 /// Sizes are those that the file states; camera_of_image() brings them to an image's. Errors:
 /// InputError naming file and camera: no such form, a value that cannot be, no focal length, no
-/// pose, a camera listed twice with different poses.
-std::vector<RigCamera> rig_cameras_of(const nlohmann::json& file,
-                                      const std::filesystem::path& path);
-
-/// The same of a file. Errors: as above, and as read_json.
-std::vector<RigCamera> read_rig_json(const std::filesystem::path& file);
+/// pose, a camera listed twice with different poses, a key that speaks of a lens or a pose and is
+/// not understood. `notes` gets a line of other keys that are not read.
+std::vector<RigCamera> rig_cameras_of(const nlohmann::json& file, const std::filesystem::path& path,
+                                      std::vector<std::string>& notes);
 
 /// `stated` for an image of width × height: scaled where the shape is the same, or that of the
 /// image as it is shown (`shown_width` × height, of anamorphic video). Where one side is the same

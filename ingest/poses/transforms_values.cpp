@@ -34,15 +34,15 @@ constexpr const char* kRemedy =
     "undistort the images with the program that calibrated them (for instance `colmap "
     "image_undistorter`) and state a pinhole camera";
 
-bool states_coefficients(const json& object) {
+bool states_coefficients(const StatedObject& object) {
   return std::any_of(kCoefficients.begin(), kCoefficients.end(),
-                     [&](const Coefficient& each) { return object.contains(each.key); });
+                     [&](const Coefficient& each) { return object.has(each.key); });
 }
 
 /// The camera model that this level states; empty where there is none.
-std::string model_of(const json& object, const std::string& where) {
-  const std::string stated = string_at(object, "camera_model", where);
-  return stated.empty() && is_true(object, "is_fisheye") ? "OPENCV_FISHEYE" : stated;
+std::string model_of(const StatedObject& object) {
+  const std::string stated = object.text("camera_model");
+  return object.is_true("is_fisheye") && stated.empty() ? "OPENCV_FISHEYE" : stated;
 }
 
 void refuse_coefficient(const Lens& lens, double Lens::*member, const char* key, const char* kind,
@@ -52,80 +52,81 @@ void refuse_coefficient(const Lens& lens, double Lens::*member, const char* key,
                                  lens.*member, kind, kRemedy));
 }
 
-std::optional<int> pixels_at(const json& object, const char* key, const std::string& where) {
-  const auto value = finite_number(object, key, where);
+std::optional<int> pixels_at(const StatedObject& object, const char* key) {
+  const auto value = object.number(key);
   if (!value) return std::nullopt;
   if (*value < 1 || *value > (1 << 20) || *value != double(int(*value)))
     throw InputError(fmt::format("{}: {} is {}, expected a whole number of pixels; correct it",
-                                 where, key, *value));
+                                 object.where(), key, *value));
   return int(*value);
 }
 
 }  // namespace
 
-bool is_true(const json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_boolean() && found->get<bool>();
-}
-
-StatedIntrinsics intrinsics_of(const json& object, const std::string& where) {
+StatedIntrinsics intrinsics_of(const StatedObject& object) {
   StatedIntrinsics stated;
-  stated.fl_x = finite_number(object, "fl_x", where);
-  stated.fl_y = finite_number(object, "fl_y", where);
-  stated.cx = finite_number(object, "cx", where);
-  stated.cy = finite_number(object, "cy", where);
-  stated.camera_angle_x = finite_number(object, "camera_angle_x", where);
-  stated.camera_angle_y = finite_number(object, "camera_angle_y", where);
-  stated.w = pixels_at(object, "w", where);
-  stated.h = pixels_at(object, "h", where);
+  stated.fl_x = object.number("fl_x");
+  stated.fl_y = object.number("fl_y");
+  stated.cx = object.number("cx");
+  stated.cy = object.number("cy");
+  stated.camera_angle_x = object.number("camera_angle_x");
+  stated.camera_angle_y = object.number("camera_angle_y");
+  stated.w = pixels_at(object, "w");
+  stated.h = pixels_at(object, "h");
   return stated;
 }
 
-void refuse_distortion(const json& object, const std::string& where) {
+void refuse_distortion(const StatedObject& object) {
   constexpr const char* kRemedy =
       "run `tessera ingest`, which undistorts the images, and open its result";
   for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"})
-    if (const auto value = finite_number(object, key, where); value.value_or(0) != 0)
+    if (const auto value = object.number(key); value.value_or(0) != 0)
       throw InputError(
           fmt::format("{}: lens distortion {} = {} is not supported, expected "
                       "pinhole images; {}",
-                      where, key, *value, kRemedy));
-  const bool fisheye =
-      is_true(object, "is_fisheye") ||
-      string_at(object, "camera_model", where).find("FISHEYE") != std::string::npos;
-  if (fisheye)
-    throw InputError(fmt::format(
-        "{}: fisheye cameras are not supported, expected pinhole images; {}", where, kRemedy));
+                      object.where(), key, *value, kRemedy));
+  const bool fisheye = object.text("camera_model").find("FISHEYE") != std::string::npos;
+  if (object.is_true("is_fisheye") || fisheye)
+    throw InputError(
+        fmt::format("{}: fisheye cameras are not supported, expected pinhole images; {}",
+                    object.where(), kRemedy));
 }
 
-PoseRows pose_rows(const json& frame, const std::string& where) {
-  const auto matrix = frame.find("transform_matrix");
+PoseRows pose_rows(const StatedObject& frame, const char* key) {
+  const std::string& where = frame.where();
+  const json* const matrix = frame.at(key);
   const bool has_rows =
-      matrix != frame.end() && matrix->is_array() && (matrix->size() == 3 || matrix->size() == 4) &&
+      matrix != nullptr && matrix->is_array() && (matrix->size() == 3 || matrix->size() == 4) &&
       std::all_of(matrix->begin(), matrix->end(),
                   [](const json& row) { return row.is_array() && row.size() == 4; });
   if (!has_rows)
-    throw InputError(fmt::format(
-        "{}: transform_matrix is missing or not 4x4; add the camera-to-world matrix", where));
-  PoseRows rows{};
-  for (size_t r = 0; r < 3; ++r)
+    throw InputError(
+        fmt::format("{}: {} is missing or not 4x4; add the camera-to-world matrix", where, key));
+  std::array<std::array<double, 4>, 4> values{{{}, {}, {}, {0, 0, 0, 1}}};
+  for (size_t r = 0; r < matrix->size(); ++r)
     for (size_t c = 0; c < 4; ++c) {
       const json& value = (*matrix)[r][c];
       if (!value.is_number())
         throw InputError(fmt::format(
-            "{}: transform_matrix has {} in row {}, column {}; correct this pose or remove the "
-            "frame",
-            where, value.is_null() ? "NaN, an infinity or null" : value.type_name(), r, c));
-      rows[r][c] = value.get<double>();
+            "{}: {} has {} in row {}, column {}; correct this pose or remove the frame", where, key,
+            value.is_null() ? "NaN, an infinity or null" : value.type_name(), r, c));
+      values[r][c] = value.get<double>();
     }
-  return rows;
+  constexpr double kRounding = 1e-6;
+  for (size_t c = 0; c < 4; ++c)
+    if (!(std::abs(values[3][c] - (c == 3 ? 1 : 0)) < kRounding))
+      throw InputError(fmt::format(
+          "{}: the last row of {} is {}, expected 0, 0, 0, 1; write the matrix row by row, with "
+          "the place of the camera in its last column",
+          where, key, fmt::join(values[3], ", ")));
+  return {values[0], values[1], values[2]};
 }
 
 Similarity world_transform_of(const json& object, const std::string& where) {
   const auto applied = object.find("applied");
   if (applied == object.end() || !applied->contains("world_transform")) return {};
   const std::string place = where + ": tessera.applied.world_transform";
-  const PoseRows rows = pose_rows({{"transform_matrix", (*applied)["world_transform"]}}, place);
+  const PoseRows rows = pose_rows({*applied, where + ": tessera.applied"}, "world_transform");
   Similarity world;
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) world.rotation[c][r] = rows[size_t(r)][size_t(c)];
@@ -141,16 +142,17 @@ Similarity world_transform_of(const json& object, const std::string& where) {
   return world;
 }
 
-StatedLens stated_lens(const json& frame, const json& file, const std::string& where) {
+StatedLens stated_lens(const StatedObject& frame, const StatedObject& file) {
+  const std::string& where = frame.where();
   StatedLens stated;
-  const std::string of_frame = model_of(frame, where);
-  const std::string model = of_frame.empty() ? model_of(file, where) : of_frame;
-  const json& level = states_coefficients(frame) ? frame : file;
+  const std::string of_frame = model_of(frame), of_file = model_of(file);
+  const std::string& model = of_frame.empty() ? of_file : of_frame;
+  const StatedObject& level = states_coefficients(frame) ? frame : file;
   for (const Coefficient& each : kCoefficients)
-    stated.lens.*each.member = finite_number(level, each.key, where).value_or(0);
-  for (const json* each : {&frame, &file})
+    stated.lens.*each.member = level.number(each.key).value_or(0);
+  for (const StatedObject* each : {&frame, &file})
     for (const char* key : {"k5", "k6"})
-      if (finite_number(*each, key, where).value_or(0) != 0)
+      if (each->number(key).value_or(0) != 0)
         throw InputError(fmt::format("{}: {} is not supported; {}", where, key, kRemedy));
   const auto is_one_of = [&](const auto& names) {
     return std::find(names.begin(), names.end(), model) != names.end();

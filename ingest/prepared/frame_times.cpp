@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "ingest/files/json_file.h"
 #include "ingest/prepared/views_over_time.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
@@ -108,20 +107,20 @@ void note_static(TransformsCapture& capture, const ViewsOverTime& views) {
 
 }  // namespace
 
-std::optional<double> stated_time(const json& entry, const std::string& where) {
-  const auto found = entry.find("time");
-  if (found == entry.end() || !found->is_string()) return finite_number(entry, "time", where);
+std::optional<double> stated_time(const StatedObject& entry) {
+  const json* const found = entry.at("time");
+  if (found == nullptr || !found->is_string()) return entry.number("time");
   const std::optional<double> number = number_in(*found);
   if (!number || !std::isfinite(*number))
-    throw InputError(fmt::format("{}: time is \"{}\", expected a finite number; correct it", where,
-                                 found->get<std::string>()));
+    throw InputError(fmt::format("{}: time is \"{}\", expected a finite number; correct it",
+                                 entry.where(), found->get<std::string>()));
   return number;
 }
 
-std::map<std::string, double> other_times_of(const json& entry) {
+std::map<std::string, double> other_times_of(const StatedObject& entry) {
   std::map<std::string, double> values;
   for (const TimeKey& key : kTimeKeys)
-    if (const auto found = entry.find(key.name); found != entry.end())
+    if (const json* const found = entry.at(key.name))
       values[key.name] = number_in(*found).value_or(std::numeric_limits<double>::quiet_NaN());
   return values;
 }

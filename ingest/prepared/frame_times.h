@@ -2,22 +2,21 @@
 // one.
 #pragma once
 #include <map>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "ingest/poses/stated_object.h"
 #include "ingest/prepared/transforms_json.h"
 
 namespace tessera {
 
-/// `time` as a number or as the text of one. Errors: InputError that starts with `where`: anything
-/// else.
-std::optional<double> stated_time(const nlohmann::json& entry, const std::string& where);
+/// `time` as a number or as the text of one. Errors: InputError: anything else.
+std::optional<double> stated_time(const StatedObject& entry);
 
 /// The values that an entry has under other keys in use for times (`timestamp`, `frame_id` …); NaN
 /// for what is no number.
-std::map<std::string, double> other_times_of(const nlohmann::json& entry);
+std::map<std::string, double> other_times_of(const StatedObject& entry);
 
 /// Sets TransformsFrame::time of a capture that states no `time`, and notes the key. A key counts
 /// where all frames have it and it changes while a view stays, or where images of several views

@@ -8,6 +8,7 @@
 #include "ingest/colmap/colmap_records.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
+#include "ingest/files/json_file.h"
 #include "ingest/poses/pose_matrix.h"
 #include "ingest/prepared/scene_clip.h"
 
@@ -173,7 +174,7 @@ void write_prepared_scene(const std::filesystem::path& folder, const Capture& sc
   if (!scene.by_reference)
     for (const CaptureFrame& frame : scene.frames) frames.push_back(frame_json(frame));
   file["frames"] = std::move(frames);
-  write_text_file(folder / "transforms.json", file.dump(1) + "\n");
+  write_text_file(folder / "transforms.json", json_text(file, 1) + "\n");
 }
 
 }  // namespace tessera

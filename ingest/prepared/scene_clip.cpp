@@ -201,7 +201,7 @@ SceneClip scene_clip_of(const json& entry, const std::string& where) {
   clip.scale = finite_number(entry, "scale", where).value_or(1);
   if (!(clip.scale > 0 && clip.scale <= 1)) refuse(where, "scale");
   read_intrinsics(entry, where, clip.prepared);
-  set_pose(clip.prepared, pose_rows(entry, where), where);
+  set_pose(clip.prepared, pose_rows({entry, where}), where);
   clip.mask_path = string_at(entry, "mask_path", where);
   return clip;
 }

@@ -36,15 +36,18 @@ constexpr std::array<SplitFile, 3> kSplitFiles{{{"transforms_train.json", Split:
                                                 {"transforms_test.json", Split::kTest}}};
 
 /// `split` of the frame, else Nerfstudio's lists of file names, else what the file stands for.
-Split split_of(const json& frame, const json& file, Split split_of_file, const std::string& where) {
-  const std::string stated = string_at(frame, "split", where);
+Split split_of(const StatedObject& frame, const StatedObject& file, Split split_of_file) {
+  const std::string& where = frame.where();
+  const std::string stated = frame.text("split");
+  std::optional<Split> of_list;
   for (const SplitFile& candidate : kSplitFiles) {
     if (stated == name_of(candidate.split)) return candidate.split;
-    const auto list = file.find(fmt::format("{}_filenames", name_of(candidate.split)));
-    if (stated.empty() && list != file.end() && list->is_array() &&
-        std::find(list->begin(), list->end(), frame["file_path"]) != list->end())
-      return candidate.split;
+    const json* const list = file.at(fmt::format("{}_filenames", name_of(candidate.split)));
+    if (stated.empty() && !of_list && list != nullptr && list->is_array() &&
+        std::find(list->begin(), list->end(), *frame.at("file_path")) != list->end())
+      of_list = candidate.split;
   }
+  if (of_list) return *of_list;
   if (!stated.empty())
     throw InputError(
         fmt::format("{}: split is '{}', expected train, val or test; correct it", where, stated));
@@ -52,12 +55,13 @@ Split split_of(const json& frame, const json& file, Split split_of_file, const s
 }
 
 /// The file of `mask_path`, which is relative to `folder`; empty when none is stated.
-std::filesystem::path mask_of(const json& entry, const std::filesystem::path& folder,
-                              ImageIndex& files, const std::string& where) {
-  const std::string stated = string_at(entry, "mask_path", where);
+std::filesystem::path mask_of(const StatedObject& entry, const std::filesystem::path& image,
+                              const std::filesystem::path& folder, ImageIndex& files) {
+  const std::string& where = entry.where();
+  const std::string stated = entry.text("mask_path");
   if (stated.empty()) return {};
   std::filesystem::path path = files.find(stated);
-  if (path.empty())
+  if (path.empty() || path == image)
     throw InputError(fmt::format("{}: no such mask as {}; restore it or take mask_path out", where,
                                  (folder / stated).string()));
   return path;
@@ -72,44 +76,56 @@ std::string name_of_frame(const std::string& file_path, const std::filesystem::p
   return name_of_image(elsewhere ? file_path : below.generic_string());
 }
 
-TransformsFrame parse_frame(const json& entry, const json& file, const StatedIntrinsics& globals,
-                            const std::filesystem::path& json_path, size_t index,
-                            Split split_of_file, Images images, ImageIndex& files) {
+/// A transforms file that is being read.
+struct FileOfFrames {
+  const StatedObject& values;
+  const StatedIntrinsics globals;
+  const std::filesystem::path& path;
+  const Split split;
+  const Images images;
+  ImageIndex& found;
+  std::set<std::string>& unread;
+};
+
+TransformsFrame parse_frame(const json& values, size_t index, const FileOfFrames& file) {
   TransformsFrame frame;
-  frame.where = fmt::format("{}, frame {}", json_path.string(), index);
+  frame.where = fmt::format("{}, frame {}", file.path.string(), index);
   std::string file_path =
-      entry.is_object() ? string_at(entry, "file_path", frame.where) : std::string();
-  if (file_path.empty() && images == Images::kUnused) file_path = fmt::format("{:04}", index);
+      values.is_object() ? string_at(values, "file_path", frame.where) : std::string();
+  if (file_path.empty() && file.images == Images::kUnused) file_path = fmt::format("{:04}", index);
   if (file_path.empty())
     throw InputError(fmt::format("{}: has no file_path; name its image", frame.where));
   frame.where += fmt::format(" ({})", file_path);
-  frame.split = split_of(entry, file, split_of_file, frame.where);
-  const std::filesystem::path folder = json_path.parent_path();
-  if (images != Images::kUnused) {
-    frame.image = files.find(file_path);
-    if (frame.image.empty() && images == Images::kRequired)
+  const StatedObject entry(values, frame.where);
+  entry.take("file_path");
+  frame.split = split_of(entry, file.values, file.split);
+  const std::filesystem::path folder = file.path.parent_path();
+  if (file.images != Images::kUnused) {
+    frame.image = file.found.find(file_path);
+    if (frame.image.empty() && file.images == Images::kRequired)
       frame.image = require_image(folder, file_path, frame.where);
-    frame.mask = mask_of(entry, folder, files, frame.where);
+    frame.mask = mask_of(entry, frame.image, folder, file.found);
   }
   frame.name = name_of_frame(file_path, frame.image, folder);
-  frame.time = stated_time(entry, frame.where);
+  frame.time = stated_time(entry);
   frame.other_times = other_times_of(entry);
-  if (images == Images::kListed)
-    frame.lens = stated_lens(entry, file, frame.where);
+  if (file.images == Images::kListed)
+    frame.lens = stated_lens(entry, file.values);
   else
-    refuse_distortion(entry, frame.where);
-  frame.intrinsics = intrinsics_of(entry, frame.where).or_else(globals);
-  set_pose(frame.camera, pose_rows(entry, frame.where), frame.where);
+    refuse_distortion(entry);
+  frame.intrinsics = intrinsics_of(entry).or_else(file.globals);
+  set_pose(frame.camera, pose_rows(entry), frame.where);
   const size_t slash = frame.name.rfind('/');
   frame.camera_name = slash == std::string::npos
                           ? name_of(frame.split)
                           : std::filesystem::path(frame.name.substr(0, slash)).filename().string();
   frame.frame_number = -1;  // counted once all frames are known
-  if (const auto made_by_us = entry.find("tessera"); made_by_us != entry.end()) {
+  if (const json* const made_by_us = entry.at("tessera")) {
     frame.camera_name = string_at(*made_by_us, "camera", frame.where);
     frame.camera_is_stated = true;
     frame.frame_number = int64_t(finite_number(*made_by_us, "frame", frame.where).value_or(-1));
   }
+  if (file.images == Images::kListed) account_for(entry, file.unread);
   return frame;
 }
 
@@ -127,7 +143,7 @@ void read_prepared_object(const json& object, const std::string& where,
   axis.origin = finite_number(time, "origin", where).value_or(axis.origin);
   axis.duration = finite_number(time, "duration", where).value_or(axis.duration);
   capture.prepared_axis = axis;
-  capture.prepared_static = is_true(time, "static");
+  capture.prepared_static = StatedObject(time, where).is_true("static");
   const double clip = finite_number(time, "static_of", where).value_or(0);
   capture.prepared_static_of =
       capture.prepared_static && clip >= 1 && clip < 1e9 ? int64_t(clip) : 0;
@@ -143,16 +159,24 @@ void read_file(const std::filesystem::path& path, Split split_of_file, Images im
     throw InputError(
         fmt::format("{}: has no list 'frames'; expected a NeRF transforms file", where));
   capture.files.push_back(path);
-  if (images != Images::kListed) refuse_distortion(file, where);
-  const StatedIntrinsics globals = intrinsics_of(file, where);
-  if (capture.points_file.empty()) capture.points_file = string_at(file, "ply_file_path", where);
-  if (file.contains("tessera")) read_prepared_object(file["tessera"], where, capture);
+  const StatedObject stated(file, where);
+  if (images != Images::kListed) refuse_distortion(stated);
+  if (capture.points_file.empty()) capture.points_file = stated.text("ply_file_path");
+  const json* const ours = stated.at("tessera");
+  if (ours != nullptr) read_prepared_object(*ours, where, capture);
   ImageIndex found(path.parent_path());
+  std::set<std::string> unread;
+  const FileOfFrames of_frames{stated, intrinsics_of(stated), path, split_of_file, images, found,
+                               unread};
   for (size_t i = 0; i < frames->size(); ++i)
-    capture.frames.push_back(
-        parse_frame((*frames)[i], file, globals, path, i, split_of_file, images, found));
+    capture.frames.push_back(parse_frame((*frames)[i], i, of_frames));
   for (std::string& line : found.lines()) capture.warnings.push_back(std::move(line));
-  if (file.contains("tessera")) add_clip_frames(file["tessera"], path, capture);
+  if (ours != nullptr) add_clip_frames(*ours, path, capture);
+  if (images != Images::kListed || ours != nullptr) return;
+  stated.take("frames");
+  account_for(stated, unread);
+  if (std::string line = unread_keys_line(where, unread); !line.empty())
+    capture.notes.push_back(std::move(line));
 }
 
 /// The same image may be in two splits (val copied from test); its second name has the split.

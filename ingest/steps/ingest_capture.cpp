@@ -61,18 +61,27 @@ void take_image_rate(IngestOptions& options) {
   options.fps.reset();
 }
 
-Capture name_unread_files(Capture capture, const StepContext&) {
+/// Of a capture as it was read: later steps leave cameras and frames out.
+void name_unread_files(const IngestOptions& options, Capture& capture) {
+  const UnreadFiles unread =
+      unread_files(capture.folder, taken_files(capture), options.masks, !capture.clips.empty());
+  capture.warnings.insert(capture.warnings.end(), unread.warnings.begin(), unread.warnings.end());
+  capture.notes.insert(capture.notes.end(), unread.notes.begin(), unread.notes.end());
+}
+
+Capture name_unused_masks(Capture capture, const StepContext&) {
   const bool has_masks =
       std::any_of(capture.frames.begin(), capture.frames.end(),
                   [](const CaptureFrame& frame) { return !frame.mask_path.empty(); });
-  for (std::string& line : unread_files(capture.folder, has_masks))
+  if (has_masks) return capture;
+  if (std::string line = unused_masks(capture.folder); !line.empty())
     capture.warnings.push_back(std::move(line));
   return capture;
 }
 
 constexpr Step* kSteps[] = {open_clips,    pose_cameras,      pose_frames, align_clocks,
                             choose_frames, choose_splits,     set_times,   find_masks,
-                            write_images,  name_unread_files, check_masks, read_points,
+                            write_images,  name_unused_masks, check_masks, read_points,
                             finish_scene};
 
 IngestReport report_of(Capture capture, CaptureLayout layout) {
@@ -107,6 +116,7 @@ IngestReport ingest_staged(const std::filesystem::path& folder, const std::files
       progress ? progress : [](std::string_view, int64_t, int64_t) {};
   const StepContext context{options, staged.path(), report_progress};
   Capture capture = row_of(layout).read(folder, options);
+  name_unread_files(options, capture);
   for (Step* step : kSteps) capture = step(std::move(capture), context);
   staged.commit();
   return report_of(std::move(capture), layout);

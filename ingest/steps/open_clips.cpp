@@ -7,7 +7,6 @@
 
 #include "ingest/calibration/stated_cameras.h"
 #include "ingest/colmap/colmap_records.h"
-#include "ingest/layouts/image_sequences.h"
 #include "ingest/poses/rig_poses_file.h"
 #include "ingest/steps/kept_frames.h"
 #include "ingest/steps/left_out_clips.h"
@@ -75,7 +74,7 @@ void hold_out(const IngestOptions& options, bool by_row, Capture& capture) {
   if (options.test_every && count > 1)
     throw InputError(
         "--test-every is given, but of several cameras whole ones are held out; pass --held-out "
-        "with their names");
+        "with their names, or none");
   if (options.held_out.empty() && count > 1 && !capture.posed) return;  // by COLMAP's poses
   capture.held_out.assign(count, 0);
   if (!options.held_out.empty()) {
@@ -151,7 +150,7 @@ void take_poses(StatedCameras stated, bool strict, Capture& capture) {
   capture.posed = true;
   for (const fs::path& file : stated.files)
     capture.files.emplace_back(file.filename().string(), file);
-  if (!stated.note.empty()) capture.notes.push_back(std::move(stated.note));
+  for (std::string& note : stated.notes) capture.notes.push_back(std::move(note));
   if (stated.points.position.empty())
     capture.points_file = "";
   else
@@ -170,9 +169,6 @@ Capture open_clips(Capture capture, const StepContext& context) {
   if (stated) leave_out_unposed(*stated, options.strict, capture);
   read_timelines(options, capture);
   note_pixel_aspect(options.poses.lens_model, capture);
-  if (options.layout == CaptureLayout::kSequences)
-    capture.notes.push_back(fmt::format("{}: {}", capture.folder.string(),
-                                        reading_text(capture.clips.size(), *options.image_rate)));
   const bool by_row = stated && stated->by_row;
   if (stated) take_poses(std::move(*stated), options.strict, capture);
   hold_out(options, by_row, capture);

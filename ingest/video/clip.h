@@ -79,6 +79,7 @@ struct RigClip {
   VideoTimeline timeline;
   std::optional<RigCamera> camera;
   std::vector<NumberedImage> images{};            // numbers are ticks; empty for a video
+  std::optional<Rational> number_seconds{};       // where these are times
   std::vector<std::filesystem::path> chapters{};  // further files of the recording, in their order
 };
 

@@ -76,7 +76,7 @@ VideoTimeline read_clip_timeline(const RigClip& clip, double image_rate) {
   VideoTimeline timeline;
   timeline.width = first.width;
   timeline.height = first.height;
-  timeline.time_base = seconds_of_number(image_rate);
+  timeline.time_base = clip.number_seconds.value_or(seconds_of_number(image_rate));
   for (const NumberedImage& image : clip.images) timeline.ticks.push_back(image.number);
   timeline.frame_seconds = timeline.time_base.at(median_distance(timeline.ticks));
   timeline.warnings = gap_warnings(fmt::format("{}: camera {}", clip.video.string(), clip.name),

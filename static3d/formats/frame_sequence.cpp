@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/load_gaussian.h"
@@ -173,7 +174,7 @@ void SequenceWriter::write_manifest(const SequenceReport& report) const {
          {"far_outliers", frame.far_outliers},
          {"out_of_range", frame.out_of_range}});
   }
-  write_text_file(folder_ / kManifest, manifest.dump(2) + "\n");
+  write_text_file(folder_ / kManifest, json_text(manifest, 2) + "\n");
 }
 
 /// The number in frame_0012.EXTENSION of any splat format; nothing for other names.

@@ -53,14 +53,4 @@ void single_from_folder(const std::filesystem::path& folder, const std::filesyst
 bool is_tessera4d(std::string_view head);
 bool is_tessera4d_folder(const std::filesystem::path& folder);
 
-struct Tessera4dInput {
-  GaussianModel model;  // dynamic set in velocity form
-  Tessera4dManifest manifest;
-  int64_t bytes = 0;                  // of manifest and blocks
-  std::vector<std::string> warnings;  // what was left out
-};
-/// From a folder or a single file. Errors: InputError naming the file, what is wrong, the remedy;
-/// also of a file of windows, which is opened by windowed_file.h.
-Tessera4dInput load_tessera4d(const std::filesystem::path& path);
-
 }  // namespace tessera

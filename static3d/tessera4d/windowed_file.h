@@ -63,6 +63,9 @@ class Tessera4dParts {
   /// The static set and the window's dynamic set, with the window's time as its time axis. Static
   /// blocks are read once. Errors: as above.
   GaussianModel load(int window);
+  /// The static set alone, in the light of no window, with the time axis of the clip. Errors: as
+  /// above.
+  GaussianModel load_static();
   /// What was left out of that which has been loaded.
   const std::vector<std::string>& warnings() const { return warnings_; }
 

@@ -105,8 +105,8 @@ void add_frame_options(CLI::App& command, IngestArguments& arguments) {
   command
       .add_option(
           "--held-out", options.held_out,
-          "test cameras (or photos), by name; default: the innermost camera of a rig; for photos "
-          "see --test-every")
+          "test cameras (or photos), by name, or none; default: the innermost camera of a rig; for "
+          "photos see --test-every")
       ->delimiter(',');
   command
       .add_option("--frames-as", arguments.frames_as,

@@ -138,7 +138,7 @@ json describe_videos(const fs::path& folder) {
 std::optional<json> describe_sequences(const fs::path& folder) {
   const ImageSequences found = find_image_sequences(folder);
   if (found.evidence == RigEvidence::kNone) return std::nullopt;
-  std::string reading = reading_text(found.cameras.size(), kImageRate);
+  std::string reading = reading_text(found.cameras.size(), found.times, kImageRate);
   try {
     if (detect_layout(folder) != CaptureLayout::kSequences) return std::nullopt;
   } catch (const AmbiguousCapture& unclear) {
@@ -184,7 +184,9 @@ std::optional<json> describe_photos(const fs::path& folder) {
   info["frames"] = capture.posed ? capture.cameras.size() : images_in(capture.photos).size();
   if (capture.posed) info["sizes"] = sizes_json({sizes, 0, 0});
   std::vector<std::string> warnings = capture.warnings;
-  for (std::string& line : unread_files(folder, false)) warnings.push_back(std::move(line));
+  const UnreadFiles unread = unread_files(folder, taken_files(capture), options.masks, false);
+  warnings.insert(warnings.end(), unread.warnings.begin(), unread.warnings.end());
+  if (std::string line = unused_masks(folder); !line.empty()) warnings.push_back(std::move(line));
   if (!warnings.empty()) info["warnings"] = warnings;
   if (!capture.notes.empty()) info["notes"] = capture.notes;
   return info;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
 #include "ingest/files/png.h"
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/parallel.h"
@@ -15,7 +16,7 @@
 #include "recon4d/evaluation/render.h"
 #include "recon4d/options/train_options_json.h"
 #include "static3d/tessera4d/player_hints.h"
-#include "static3d/tessera4d/tessera4d.h"
+#include "static3d/tessera4d/windowed_file.h"
 #include "tools/cli/background_program.h"
 #include "tools/live/live_folder.h"
 #include "tools/live/stopped_training.h"
@@ -33,10 +34,6 @@ constexpr auto kAliveFor = std::chrono::seconds(5);  // after the last change of
 constexpr int64_t kViews = 4;
 constexpr double kShareOfScores = 0.01;  // of the cores
 constexpr int kNiceOfScores = 19;
-
-std::string json_text(const json& value) {
-  return value.dump(-1, ' ', false, json::error_handler_t::replace);
-}
 
 /// An address of the server; "" where the path is not in what it serves, or is being removed.
 std::string address_of(const fs::path& path, const fs::path& served) {
@@ -182,7 +179,7 @@ void LiveWatch::load_views() {
 }
 
 double LiveWatch::score(const fs::path& file) const {
-  const GaussianModel model = load_tessera4d(file).model;
+  const GaussianModel model = open_tessera4d(file).load(0);
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   double sum = 0;
   for (const Frame& frame : scene_.frames) {

@@ -91,7 +91,8 @@ TEST_F(ColmapCapture, MissingAndUnregisteredPhotosAreWarnings) {
 TEST_F(ColmapCapture, WithoutPhotosItIsRefused) {
   write(3);
   std::filesystem::rename(capture_ / "images", capture_ / "photos");
-  expect_refused({}, {"capture/images", "no such folder", "put the photos"});
+  EXPECT_EQ(ingest().frames, 3) << "the only folder with images";
+  std::filesystem::remove_all(folder_ / "scene");
   std::filesystem::create_directories(capture_ / "images");
   expect_refused({}, {"none of the 3 photos", "b00.png, b01.png, b02.png", "--images"});
   IngestOptions options;

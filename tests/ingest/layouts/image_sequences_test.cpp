@@ -169,6 +169,55 @@ TEST(ImageSequences, AShortCameraIsOfTheRig) {
   EXPECT_THROW(detect_layout(folder.path()), AmbiguousCapture);
 }
 
+/// Three cameras of 30 frames a second, whose names are times in such units, from `start`, each
+/// camera and frame up to 3 ms off.
+void write_stamps(const path& folder, int64_t start, int64_t a_second) {
+  for (int64_t camera = 0; camera < 3; ++camera)
+    for (int64_t t = 0; t < 9; ++t) {
+      const int64_t off = (camera * 7 + t * 5) % 4;  // ms
+      const path file =
+          folder / fmt::format("c{}/{}.png", camera,
+                               start + (t * 100'000 / 3 + off * 1000) * a_second / 1'000'000);
+      std::filesystem::create_directories(file.parent_path());
+      write_bytes(file, "");
+    }
+}
+
+// Bugs put back, each seen to fail: nine digits taken for the number (8 frames of 7,777,778 s);
+// cameras with no equal number are no rig; numbers of frames taken for times.
+TEST(ImageSequences, NamesMayBeTimes) {
+  const std::pair<int64_t, int64_t> stamps[] = {{1'764'000'000'866, 1'000},
+                                                {1'764'000'000'866'666, 1'000'000},
+                                                {1'764'000'000'866'666'667, 1'000'000'000},
+                                                {12'345, 1'000},
+                                                {98'765'432, 1'000'000},
+                                                {123'456'789'012, 1'000'000'000}};
+  for (const auto& [start, a_second] : stamps) {
+    const TemporaryFolder folder;
+    write_stamps(folder.path(), start, a_second);
+    EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kSequences) << start;
+    const ImageSequences found = sequences_of(folder.path(), std::nullopt);
+    ASSERT_TRUE(found.number_seconds.has_value()) << start;
+    EXPECT_EQ(found.number_seconds->denominator, a_second);
+    ASSERT_EQ(found.cameras.size(), 3u);
+    EXPECT_EQ(found.cameras[0].images[0].number, 0);
+    EXPECT_NEAR(found.number_seconds->at(found.cameras[1].images[8].number), 8 / 30.0, 5e-3);
+    EXPECT_NE(found.times.find("times in "), std::string::npos) << found.times;
+  }
+  for (const int step : {1, 2, 5, 10, 40}) {
+    const TemporaryFolder folder;
+    for (int camera = 0; camera < 3; ++camera)
+      for (int t = 0; t < 9; ++t) {
+        const path file = folder / fmt::format("c{}/{}.png", camera, t * step);
+        std::filesystem::create_directories(file.parent_path());
+        write_bytes(file, "");
+      }
+    const ImageSequences found = sequences_of(folder.path(), std::nullopt);
+    EXPECT_FALSE(found.number_seconds.has_value()) << step;
+    EXPECT_EQ(found.cameras[1].images[8].number, 8 * step);
+  }
+}
+
 TEST(ImageSequences, OneSequenceMayBeAVideo) {
   const TemporaryFolder folder;
   write_names(folder / "video", "frame_{t:05}.png", 1, 20);

@@ -23,7 +23,8 @@ json entry() {
 }
 
 std::vector<RigCamera> read(const json& file) {
-  return rig_cameras_of(file, "rig.json");
+  std::vector<std::string> notes;
+  return rig_cameras_of(file, "rig.json", notes);
 }
 
 /// The camera that `entry` states.

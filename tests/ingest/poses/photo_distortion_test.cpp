@@ -19,28 +19,31 @@ namespace {
 using namespace tessera::testing;
 using nlohmann::json;
 
+StatedLens lens_of(const json& frame, const json& file) {
+  return stated_lens({frame, "frame 3"}, {file, "file"});
+}
+
 // Bug put back: the file's coefficients over the frame's; seen to fail.
 TEST(StatedLens, FrameBeforeFile) {
   const json file{{"camera_model", "OPENCV"}, {"k1", 0.1}, {"k2", 0.2}, {"p1", 0.01}, {"p2", 0.02}};
-  StatedLens lens = stated_lens(json::object(), file, "t");
+  StatedLens lens = lens_of(json::object(), file);
   EXPECT_EQ(lens.model, "OPENCV");
   EXPECT_EQ(lens.lens, (Lens{.k1 = 0.1, .k2 = 0.2, .p1 = 0.01, .p2 = 0.02}));
-  lens = stated_lens({{"k1", 0.3}, {"k3", -0.1}}, file, "t");
+  lens = lens_of({{"k1", 0.3}, {"k3", -0.1}}, file);
   EXPECT_EQ(lens.lens, (Lens{.k1 = 0.3, .k3 = -0.1}));
-  lens = stated_lens({{"camera_model", "OPENCV_FISHEYE"}, {"k4", 0.5}}, file, "t");
+  lens = lens_of({{"camera_model", "OPENCV_FISHEYE"}, {"k4", 0.5}}, file);
   EXPECT_EQ(lens.lens, (Lens{.projection = Lens::Projection::kFisheye, .k4 = 0.5}));
   EXPECT_EQ(lens.model, "OPENCV_FISHEYE");
-  EXPECT_EQ(stated_lens(json::object(), {{"is_fisheye", true}}, "t").model, "OPENCV_FISHEYE");
-  EXPECT_EQ(stated_lens(json::object(), {{"camera_model", "SIMPLE_RADIAL"}, {"k1", 1}}, "t").model,
+  EXPECT_EQ(lens_of(json::object(), {{"is_fisheye", true}}).model, "OPENCV_FISHEYE");
+  EXPECT_EQ(lens_of(json::object(), {{"camera_model", "SIMPLE_RADIAL"}, {"k1", 1}}).model,
             "SIMPLE_RADIAL");
-  EXPECT_EQ(stated_lens(json::object(), {{"camera_model", "PINHOLE"}, {"k1", 1}}, "t").model,
-            "OPENCV");
-  EXPECT_TRUE(stated_lens({{"k1", 0}}, file, "t").lens.is_pinhole());
+  EXPECT_EQ(lens_of(json::object(), {{"camera_model", "PINHOLE"}, {"k1", 1}}).model, "OPENCV");
+  EXPECT_TRUE(lens_of({{"k1", 0}}, file).lens.is_pinhole());
 }
 
 TEST(StatedLens, WhatItCannotMean) {
   const auto refused = [](const json& frame, const std::vector<std::string>& parts) {
-    expect_input_error([&] { stated_lens(frame, json::object(), "frame 3"); }, parts);
+    expect_input_error([&] { lens_of(frame, json::object()); }, parts);
   };
   refused({{"k4", 0.1}}, {"frame 3", "k4 = 0.1", "perspective", "undistort"});
   refused({{"k5", 0.1}}, {"k5"});

@@ -5,6 +5,8 @@
 
 #include "ingest/poses/pose_matrix.h"
 #include "ingest/poses/rig_poses_file.h"
+
+#include "ingest/files/json_file.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {
@@ -14,6 +16,11 @@ using namespace tessera::testing;
 using nlohmann::json;
 
 const Stand kStand = looking_at_origin({3, -4, 2});
+
+std::vector<RigCamera> read_rig(const std::filesystem::path& file) {
+  std::vector<std::string> notes;
+  return rig_cameras_of(read_json(file), file, notes);
+}
 
 /// Pixels, right and down of the principal point, of a point a quarter to the right and up.
 void expect_stands(const Camera& camera, const Stand& stand) {
@@ -49,7 +56,7 @@ TEST(RigPosesFile, OpenCvPosesAndLens) {
     entry["t_w2c"].push_back(-glm::dot(axis, kStand.centre));
   }
   write_bytes(folder / "cameras.json", json{{"cameras", {entry}}}.dump());
-  const auto cameras = read_rig_json(folder / "cameras.json");
+  const auto cameras = read_rig(folder / "cameras.json");
   ASSERT_EQ(cameras.size(), 1u);
   EXPECT_EQ(cameras[0].name, "b");
   EXPECT_EQ(cameras[0].camera.width, 120);
@@ -75,7 +82,7 @@ TEST(RigPosesFile, TransformsByNameWithSharedIntrinsics) {
                      {"k1", 0.2}},
                     {{"name", "unused"}, {"transform_matrix", gl_matrix(kStand)}}};
   write_bytes(folder / "t.json", file.dump());
-  const auto cameras = read_rig_json(folder / "t.json");
+  const auto cameras = read_rig(folder / "t.json");
   ASSERT_EQ(cameras.size(), 3u);
   EXPECT_EQ(cameras[0].name, "images/a");
   EXPECT_EQ(cameras[1].name, "b");
@@ -92,7 +99,7 @@ TEST(RigPosesFile, ReportTheError) {
   const TemporaryFolder folder;
   const auto refused = [&](const json& file, const std::vector<std::string>& parts) {
     write_bytes(folder / "c.json", file.dump());
-    expect_input_error([&] { read_rig_json(folder / "c.json"); }, parts);
+    expect_input_error([&] { read_rig(folder / "c.json"); }, parts);
   };
   refused(json::object(), {"no list 'cameras' or 'frames'"});
   refused({{"cameras", {7}}}, {"camera 0", "no object"});

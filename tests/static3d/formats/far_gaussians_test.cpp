@@ -16,6 +16,7 @@
 #include "tests/recon4d/model/small_models.h"
 #include "tests/static3d/formats/splat_comparison.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/tessera4d_input.h"
 
 namespace tessera::testing {
 namespace {

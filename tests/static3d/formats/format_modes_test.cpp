@@ -24,6 +24,7 @@
 #include "tests/recon4d/model/small_models.h"
 #include "tests/static3d/formats/splat_comparison.h"
 #include "tests/support/lift.h"
+#include "tests/support/tessera4d_input.h"
 
 namespace tessera::testing {
 namespace {

@@ -11,6 +11,7 @@
 #include "tests/recon4d/model/small_models.h"
 #include "tests/support/carried_scene.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/tessera4d_input.h"
 
 namespace tessera::testing {
 namespace {

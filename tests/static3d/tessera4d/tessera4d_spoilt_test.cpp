@@ -9,6 +9,7 @@
 #include "static3d/tessera4d/tessera4d.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"
+#include "tests/support/tessera4d_input.h"
 
 namespace tessera::testing {
 namespace {

@@ -19,6 +19,7 @@
 #include "static3d/transform/slicer.h"
 #include "tests/recon4d/model/small_models.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/tessera4d_input.h"
 
 namespace tessera::testing {
 namespace {

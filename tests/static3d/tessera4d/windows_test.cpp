@@ -211,8 +211,6 @@ TEST_F(Windows, AreReadByReadersThatKnowThemAlone) {
   EXPECT_EQ(read_json(manifest_file())["version"], 3);
   single_from_folder(folder_.path(), folder_ / "scene.t4d");
   EXPECT_EQ(read_text_file(folder_ / "scene.t4d").substr(0, 8), std::string("TES4\3\0\0\0", 8));
-  for (const auto& path : {folder_.path(), folder_ / "scene.t4d"})
-    expect_input_error([&] { load_tessera4d(path); }, {"2 windows", "name the run of a window"});
   expect_input_error([] { check_tessera4d_version("a.t4d", 4); },
                      {"a.t4d", "version 4", "up to 3"});
 }
@@ -224,10 +222,7 @@ TEST(WindowTimes, AFileOfOneTimeIsOnePart) {
   write_tessera4d_folder(folder.path(), file);
   Tessera4dParts parts = open_tessera4d(folder.path());
   ASSERT_EQ(parts.windows().size(), 1u);
-  const GaussianModel part = parts.load(0), whole = load_tessera4d(folder.path()).model;
-  EXPECT_EQ(all_rows(part.dynamic_set), all_rows(whole.dynamic_set));
-  EXPECT_EQ(all_rows(part.static_set), all_rows(whole.static_set));
-  EXPECT_EQ(part.time_axis.origin, 12.5);
+  EXPECT_EQ(parts.load(0).time_axis.origin, 12.5);
   single_from_folder(folder.path(), folder / "scene.t4d");
   EXPECT_EQ(read_text_file(folder / "scene.t4d"), single_tessera4d(file));
 }
