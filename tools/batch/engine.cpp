@@ -106,7 +106,7 @@ std::vector<std::string> engine_arguments(const fs::path& out, const std::string
                                      "--rerun-incomplete",
                                      "--nolock",  // the batch has a lock of its own
                                      "--config",
-                                     "program=" + fs::read_symlink("/proc/self/exe").string()};
+                                     "program=" + this_program().string()};
   if (jobs > 0) arguments.insert(arguments.end(), {"--jobs", fmt::format("{}", jobs)});
   return arguments;
 }

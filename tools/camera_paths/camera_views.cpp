@@ -12,7 +12,7 @@
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "tools/camera_paths/export_times.h"
-#include "tools/session/run_folder.h"
+#include "tools/session/model_scene.h"
 
 namespace tessera {
 namespace {

@@ -11,7 +11,7 @@
 #include "kernels/base/errors.h"
 #include "static3d/transform/scene_box.h"
 #include "tools/camera_paths/camera_path.h"
-#include "tools/session/run_folder.h"
+#include "tools/session/model_scene.h"
 
 namespace tessera {
 namespace {
@@ -78,14 +78,14 @@ PointCloud points_of(const GaussianModel& model) {
   return points;
 }
 
-std::vector<Camera> rig_of(const PathChoice& choice, const ModelInput& input) {
+std::vector<Camera> rig_of(const PathChoice& choice, const DrawnModel& drawn) {
   CameraChoice rig{choice.cameras, choice.split, 0.0};  // timesteps are not needed
   if (rig.cameras.empty()) {
-    rig.cameras = scene_of_model(input.file);
+    rig.cameras = scene_of_model(drawn.named);
     if (rig.cameras.empty()) return {};
   }
   std::vector<Camera> cameras;
-  for (const NamedView& named : read_views(rig, input.model)) cameras.push_back(named.view.camera);
+  for (const NamedView& named : read_views(rig, drawn.model)) cameras.push_back(named.view.camera);
   return cameras;
 }
 
@@ -99,26 +99,25 @@ Camera lens_without_rig() {
   return lens;
 }
 
-std::vector<Camera> orbit_without_rig(const PathChoice& choice, const ModelInput& input,
+std::vector<Camera> orbit_without_rig(const PathChoice& choice, const DrawnModel& drawn,
                                       int64_t count) {
-  const SceneBox box = scene_box(input.model);
-  const glm::dvec3 up =
-      model_kind(input.file) == ModelKind::kSplats ? glm::dvec3(0, -1, 0) : glm::dvec3(0, 0, 1);
+  const SceneBox box = scene_box(drawn.model);
+  const glm::dvec3 up = drawn.is_splats ? glm::dvec3(0, -1, 0) : glm::dvec3(0, 0, 1);
   const Camera lens = lens_of(choice, lens_without_rig());
   const glm::dvec3 centre(box.centre[0], box.centre[1], box.centre[2]);
   return orbit_path(orbit_of_box(centre, box.half_extent, up, lens), lens, count);
 }
 
-std::vector<Camera> curve(const PathChoice& choice, const ModelInput& input, int64_t count,
+std::vector<Camera> curve(const PathChoice& choice, const DrawnModel& drawn, int64_t count,
                           std::vector<std::string>& warnings) {
-  const std::vector<Camera> rig = rig_of(choice, input);
+  const std::vector<Camera> rig = rig_of(choice, drawn);
   const bool orbit = choice.path == kOrbit;
-  if (rig.empty() && orbit) return orbit_without_rig(choice, input, count);
+  if (rig.empty() && orbit) return orbit_without_rig(choice, drawn, count);
   if (rig.empty())
     throw InputError(
         fmt::format("{}: --path spiral needs a rig; pass --cameras SCENE or take --path orbit",
-                    input.file.string()));
-  const PointCloud points = points_of(input.model);
+                    drawn.named.string()));
+  const PointCloud points = points_of(drawn.model);
   const Camera lens = lens_of(choice, rig.front());
   if (!orbit) return spiral_path(rig, points, lens, count);
   const OrbitFrame frame = orbit_of_rig(rig, points);
@@ -167,8 +166,8 @@ double played_time(const PathChoice& choice, const GaussianModel& model, int64_t
   return std::max(0.0, rounds - std::floor(rounds) - kRounding);
 }
 
-std::vector<View> views_through_keys(const PathChoice& choice, const ModelInput& input) {
-  const std::vector<KeyFrame> keys = read_key_frames(choice.path, choice.split, input.model);
+std::vector<View> views_through_keys(const PathChoice& choice, const DrawnModel& drawn) {
+  const std::vector<KeyFrame> keys = read_key_frames(choice.path, choice.split, drawn.model);
   if (keys.empty())
     throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
                                  choice.path, choice.split));
@@ -179,13 +178,13 @@ std::vector<View> views_through_keys(const PathChoice& choice, const ModelInput&
   const int64_t count =
       choice.seconds ? frame_count(choice, *choice.seconds) : int64_t(keys.size());
   const std::vector<Camera> path = key_path(cameras, count);
-  const bool stated = plays(choice, input.model) && !choice.rate && keys.front().time;
+  const bool stated = plays(choice, drawn.model) && !choice.rate && keys.front().time;
   std::vector<View> views;
   for (int64_t i = 0; i < count; ++i) {
     const auto [key, share] = key_place(i, count, int64_t(keys.size()));
     const KeyFrame &a = keys[size_t(key)], &b = keys[size_t(key) + (share > 0 ? 1 : 0)];
     const double time =
-        stated ? *a.time + share * (*b.time - *a.time) : played_time(choice, input.model, i);
+        stated ? *a.time + share * (*b.time - *a.time) : played_time(choice, drawn.model, i);
     views.push_back({path[size_t(i)], time});
   }
   return views;
@@ -206,16 +205,16 @@ void check_path_choice(const PathChoice& choice) {
         fmt::format("render: --path {} has its own cameras; leave --cameras out", choice.path));
 }
 
-std::vector<NamedView> path_views(const PathChoice& choice, const ModelInput& input,
+std::vector<NamedView> path_views(const PathChoice& choice, const DrawnModel& drawn,
                                   std::vector<std::string>& warnings) {
   check_path_choice(choice);
   std::vector<View> views;
   if (!has_key_frames(choice)) {
-    const double seconds = choice.seconds.value_or(default_seconds(choice, input.model));
-    for (const Camera& camera : curve(choice, input, frame_count(choice, seconds), warnings))
-      views.push_back({camera, played_time(choice, input.model, int64_t(views.size()))});
+    const double seconds = choice.seconds.value_or(default_seconds(choice, drawn.model));
+    for (const Camera& camera : curve(choice, drawn, frame_count(choice, seconds), warnings))
+      views.push_back({camera, played_time(choice, drawn.model, int64_t(views.size()))});
   } else {
-    views = views_through_keys(choice, input);
+    views = views_through_keys(choice, drawn);
   }
   const size_t digits = std::max<size_t>(4, std::to_string(views.size() - 1).size());
   std::vector<NamedView> named;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "recon4d/model/gaussian_set.h"
 #include "tools/camera_paths/camera_views.h"
-#include "tools/session/model_input.h"
 #include "tools/video/frame_rate.h"
 
 namespace tessera {
@@ -20,6 +20,12 @@ struct PathChoice {
   std::optional<double> time;           // a fixed timestep, normalised
   std::string size;                     // "WxH"; empty: of the first camera
   bool for_video = false;               // sizes must be even
+};
+
+struct DrawnModel {
+  const GaussianModel& model;
+  std::filesystem::path named;  // what people call it; its scene has the rig
+  bool is_splats = false;       // of another program: up is −y
 };
 
 /// Checks what can be checked before a model is read. Errors: InputError naming the option: no such
@@ -36,7 +42,7 @@ void check_path_choice(const PathChoice& choice);
 /// Warns of an orbit around a rig that looks one way.
 /// Errors: InputError naming the option: no such path, no rig for a spiral, a rig for a file, no
 /// such size, odd sizes for a video, too many frames.
-std::vector<NamedView> path_views(const PathChoice& choice, const ModelInput& input,
+std::vector<NamedView> path_views(const PathChoice& choice, const DrawnModel& drawn,
                                   std::vector<std::string>& warnings);
 
 }  // namespace tessera

@@ -64,4 +64,8 @@ std::string shell_line(const std::vector<std::string>& arguments) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
+std::filesystem::path this_program() {
+  return std::filesystem::read_symlink("/proc/self/exe");
+}
+
 }  // namespace tessera

@@ -24,4 +24,7 @@ pid_t start_in_background(const std::filesystem::path& program,
 /// Words as they would be typed into a shell.
 std::string shell_line(const std::vector<std::string>& words);
 
+/// The file of this program.
+std::filesystem::path this_program();
+
 }  // namespace tessera

@@ -43,4 +43,8 @@ int stop_code() {
   return by_hand != 0 ? kExitInterrupted : kExitNotFinished;
 }
 
+int stop_signal() {
+  return !interrupted() ? 0 : stop_code() == kExitInterrupted ? SIGINT : SIGTERM;
+}
+
 }  // namespace tessera

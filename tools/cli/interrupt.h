@@ -18,6 +18,8 @@ bool interrupted();
 void stop_if_interrupted();
 /// The exit code of what was stopped before its end: 130 after Ctrl-C, else 75: to be run again.
 int stop_code();
+/// What stopped this program, for those that it has started: SIGINT, SIGTERM, or 0.
+int stop_signal();
 
 enum ExitCode : int {
   kExitDone = 0,

@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "kernels/base/errors.h"
-#include "tools/session/run_folder.h"
+#include "tools/session/model_scene.h"
 
 namespace tessera {
 namespace {

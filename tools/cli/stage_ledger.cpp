@@ -11,6 +11,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
+#include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/run_record.h"
 
@@ -19,9 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-// File names need not be UTF-8.
-constexpr auto kReplaceInvalid = nlohmann::json::error_handler_t::replace;
 
 constexpr const char* kProduct = "contents of the product";  // 0.3 stamped otherwise: "product"
 
@@ -86,7 +84,7 @@ json StageLedger::inputs(const std::string& stage) const {
 
 void StageLedger::set(const std::string& stage, json entry) {
   entries_[stage] = std::move(entry);
-  write_text_file(file_, entries_.dump(2, ' ', false, kReplaceInvalid));
+  write_text_file(file_, json_text(entries_, 2));
 }
 
 void StageLedger::begin(const std::string& stage, const json& inputs) {
@@ -122,7 +120,7 @@ const json& StageLedger::result(const std::string& stage) const {
 
 std::string key_of(const json& inputs) {
   Fnv1a hash;
-  hash.add(inputs.dump(-1, ' ', false, kReplaceInvalid));
+  hash.add(json_text(inputs));
   return hash.hex();
 }
 

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
 
 namespace tessera {
 namespace {
@@ -98,8 +99,7 @@ int terminal_columns() {
 }
 
 void print_result(bool as_json, const nlohmann::json& object, const std::string& text) {
-  const std::string result =
-      as_json ? object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) : text;
+  const std::string result = as_json ? json_text(object, 2) : text;
   if (std::fwrite(result.data(), 1, result.size(), stdout) != result.size() ||
       std::fputc('\n', stdout) == EOF || std::fflush(stdout) != 0)
     throw WriteError(fmt::format("standard output cannot be written ({})", std::strerror(errno)));

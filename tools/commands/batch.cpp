@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,6 +14,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/folders.h"
+#include "ingest/files/json_file.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 #include "recon4d/options/train_options_json.h"
@@ -28,7 +28,6 @@
 #include "tools/cli/argument_words.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/background_program.h"
-#include "tools/cli/command.h"
 #include "tools/cli/ingest_arguments.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
@@ -230,9 +229,7 @@ int run_here(const BatchRequest& request, const Batch& batch, const std::vector<
     watch.tick();
     bar.update(ended, count, fmt::format("{}", fmt::join(running, ", ")));
   };
-  observer.signal = [] {
-    return !interrupted() ? 0 : stop_code() == kExitInterrupted ? SIGINT : SIGTERM;
-  };
+  observer.signal = stop_signal;
   return run_jobs(jobs, folder, slots, observer).all_done() ? kExitDone : kExitFailed;
 }
 
@@ -272,7 +269,7 @@ int batch(const CLI::App& command, BatchRequest& request) {
   std::vector<std::string> engine;
   if (!request.profile.empty())
     engine = engine_arguments(request.out, request.profile, request.jobs);
-  const JobFolder folder{request.out, fs::read_symlink("/proc/self/exe")};
+  const JobFolder folder{request.out, this_program()};
   const int64_t at_once = !engine.empty() ? 1 : request.jobs > 0 ? request.jobs : batch.gpus;
   const std::vector<Job> all = jobs_of(batch, std::max<int64_t>(1, at_once)),
                          jobs = jobs_of_part(all, batch, request.part);
@@ -287,9 +284,10 @@ int batch(const CLI::App& command, BatchRequest& request) {
   TrainingTerminal messages;
   std::optional<RunLock> lock;
   if (request.part.empty()) lock.emplace(request.out, messages);
-  if (!request.datasets.empty()) write_text_file(request.out / "batch.yaml", given.dump(2) + "\n");
+  if (!request.datasets.empty())
+    write_text_file(request.out / "batch.yaml", json_text(given, 2) + "\n");
   write_workflow(request.out / "workflow");
-  write_text_file(request.out / "asked.json", to_json(batch).dump(1) + "\n");
+  write_text_file(request.out / "asked.json", json_text(to_json(batch), 1) + "\n");
   write_job_list(all, folder);
   forget_failures(to_do, folder);
   BatchWatch watch(request.out);

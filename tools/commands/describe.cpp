@@ -16,8 +16,9 @@
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_info.h"
 #include "static3d/tessera4d/windowed_file.h"
+#include "tools/clip/clip.h"
 #include "tools/export/formats.h"
-#include "tools/session/model_input.h"
+#include "tools/session/model_scene.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/windows_folder.h"
 
@@ -34,14 +35,19 @@ json described(const char* kind, const fs::path& path) {
   return {{"kind", kind}, {"path", path.string()}};
 }
 
+void describe_gaussians(const GaussianModel& model, const fs::path& path, bool with_shipped,
+                        const std::vector<std::string>& warnings, json& info) {
+  info.update(model_info(model));
+  if (with_shipped) info["shipped_bytes"] = shipped_bytes(path.string(), model);
+  if (!warnings.empty()) info["warnings"] = warnings;
+}
+
 json describe_model(const char* kind, const fs::path& path, bool with_shipped) {
-  const ModelInput input = load_model_input(path);
+  const Clip clip = load_clip(path);
   json info = described(kind, path);
-  info["file"] = input.file.string();
-  info["bytes"] = input.bytes;
-  info.update(model_info(input.model));
-  if (with_shipped) info["shipped_bytes"] = shipped_bytes(path.string(), input.model);
-  if (!input.warnings.empty()) info["warnings"] = input.warnings;
+  info["file"] = clip.file.string();
+  info["bytes"] = fs::file_size(clip.file);
+  describe_gaussians(*clip.head, path, with_shipped, clip.warnings, info);
   return info;
 }
 
@@ -57,7 +63,7 @@ json describe_checkpoint(const fs::path& path, bool with_shipped) {
 json describe_windows(const WindowsFolder& folder) {
   const WindowsPlan plan = folder.read();
   json info = described("clip in windows", folder.root);
-  const std::string scene = scene_of_model(folder.window_run(0), {plan.scene});
+  const std::string scene = scene_of_model(folder.root);
   info["scene"] = scene.empty() ? plan.scene : scene;
   info["windows"] = plan.windows.size();
   info["window_seconds"] = plan.clip.duration / double(plan.windows.size());
@@ -69,37 +75,27 @@ json describe_windows(const WindowsFolder& folder) {
   return info;
 }
 
-/// A Tessera 4D file of windows, by its manifest.
-json describe_windowed_file(const fs::path& path) {
-  const Tessera4dParts parts = open_tessera4d(path);
+/// `path`: the single file, or the manifest of a folder. Windows are told by the manifest alone.
+json describe_tessera4d(const fs::path& path, bool with_shipped) {
+  const bool folder = path.filename() == kTessera4dManifest;
+  const fs::path place = folder ? path.parent_path() : path;
+  Tessera4dParts parts = open_tessera4d(place);
   const Tessera4dManifest& manifest = parts.manifest();
-  json info = described("Tessera 4D file", path);
+  json info = described("Tessera 4D file", place);
   info["bytes"] = parts.bytes();
   info["lossless"] = manifest.lossless;
   info["generator"] = manifest.generator;
   info["blocks"] = manifest.blocks.size();
+  if (parts.windows().size() == 1) {
+    const GaussianModel model = parts.load(0);
+    describe_gaussians(model, path, with_shipped, parts.warnings(), info);
+    return info;
+  }
   info["windows"] = parts.windows().size();
   info["num_static"] = manifest.gaussians(false);
   info["num_dynamic"] = manifest.gaussians(true);
   info["num_gaussians"] = manifest.gaussians(false) + manifest.gaussians(true);
   info["time_axis"] = {{"origin", parts.clip().origin}, {"duration", parts.clip().duration}};
-  return info;
-}
-
-/// `path`: the single file, or the manifest of a folder.
-json describe_tessera4d(const fs::path& path, bool with_shipped) {
-  const bool folder = path.filename() == kTessera4dManifest;
-  const fs::path place = folder ? path.parent_path() : path;
-  if (open_tessera4d(place).windows().size() > 1) return describe_windowed_file(place);
-  Tessera4dInput input = load_tessera4d(place);
-  json info = described("Tessera 4D file", place);
-  info["bytes"] = input.bytes;
-  info["lossless"] = input.manifest.lossless;
-  info["generator"] = input.manifest.generator;
-  info["blocks"] = input.manifest.blocks.size();
-  info.update(model_info(input.model));
-  if (with_shipped) info["shipped_bytes"] = shipped_bytes(path.string(), input.model);
-  if (!input.warnings.empty()) info["warnings"] = input.warnings;
   return info;
 }
 

@@ -21,16 +21,16 @@
 #include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/training_terminal.h"
+#include "tools/clip/clip.h"
+#include "tools/clip/clip_scores.h"
 #include "tools/commands/object_boxes.h"
 #include "tools/export/formats.h"
 #include "tools/export/image_files.h"
 #include "tools/lpips/lpips.h"
 #include "tools/session/held_out_scores.h"
 #include "tools/session/locks.h"
-#include "tools/session/model_input.h"
+#include "tools/session/model_scene.h"
 #include "tools/session/output_folder.h"
-#include "tools/session/run_folder.h"
-#include "tools/windows/windows_scores.h"
 
 namespace tessera {
 namespace {
@@ -54,29 +54,19 @@ std::string image_folder(const EvaluateRequest& request, double scale) {
   return request.scales.size() == 1 ? "" : fmt::format("x{}/", scale);
 }
 
-/// --scene, else what the run was trained on.
+/// --scene, else what the model was trained on.
 fs::path scene_path(const EvaluateRequest& request, const fs::path& model) {
-  if (!request.scene.empty()) return request.scene;
-  if (const std::string scene = scene_of_model(model); !scene.empty()) return scene;
-  const RunFolder run{fs::is_directory(model) ? run_folder_of(model) : model.parent_path()};
-  if (run.scene().empty())
-    throw InputError(
-        fmt::format("{}: no run folder that names its scene; pass --scene FOLDER", model.string()));
-  throw InputError(fmt::format("{}: its scene {} is gone; pass --scene FOLDER",
-                               run.config().string(), run.scene()));
+  return request.scene.empty() ? require_scene_of(model) : fs::path(request.scene);
 }
 
-std::vector<Split> requested_splits(const EvaluateRequest& request) {
-  return request.split.empty() ? kHeldOutSplits : std::vector{parse_split(request.split)};
-}
-
+/// Those that are asked for, of a scene without pixels.
 std::vector<Split> chosen_splits(const EvaluateRequest& request, const Scene& scene) {
-  if (!request.split.empty()) return requested_splits(request);
+  if (!request.split.empty() && request.split != kAutoSplit) return {parse_split(request.split)};
   const std::vector<Split> splits = held_out_splits(scene);
-  if (splits.empty())
-    throw InputError(fmt::format(
-        "{}: no frames are held out; pass --split train to score what was trained on", scene.path));
-  return splits;
+  if (!splits.empty()) return splits;
+  if (request.split == kAutoSplit) return {Split::kTrain};
+  throw InputError(fmt::format(
+      "{}: no frames are held out; pass --split train to score what was trained on", scene.path));
 }
 
 std::vector<std::string> image_names(const EvaluateRequest& request, const Scene& scene,
@@ -89,17 +79,6 @@ std::vector<std::string> image_names(const EvaluateRequest& request, const Scene
   return files;
 }
 
-/// What all scales of one model's evaluation share.
-struct Scoring {
-  const EvaluateRequest& request;
-  const ModelInput& input;
-  const std::vector<Split>& splits;
-  Lpips* lpips;
-  Backend& backend;
-  std::optional<ObjectBoxes> boxes;
-  std::optional<OutputFolder> images;
-};
-
 /// DIR/<name of the frame>.png.
 Image8 moving_mask(const fs::path& folder, const Frame& frame) {
   const fs::path file = folder / (frame.name + ".png");
@@ -111,56 +90,45 @@ Image8 moving_mask(const fs::path& folder, const Frame& frame) {
   return mask;
 }
 
-json score_at(Scoring& scoring, double scale, const Scene& scene) {
+EvaluateOptions options_of(const EvaluateRequest& request, Lpips* lpips,
+                           const std::optional<ObjectBoxes>& boxes) {
   EvaluateOptions options;
-  if (Lpips* const lpips = scoring.lpips)
+  if (lpips != nullptr)
     options.lpips = [lpips](const Image8& drawn, const Image8& truth) {
       return lpips->distance(drawn, truth);
     };
-  if (!scoring.request.moving_masks.empty())
+  if (!request.moving_masks.empty())
     options.moving_mask = [&](const Frame& frame) {
-      return moving_mask(scoring.request.moving_masks, frame);
+      return moving_mask(request.moving_masks, frame);
     };
-  if (scoring.boxes)
-    options.object_boxes = [&](const Frame& frame) { return scoring.boxes->of(frame); };
-  std::optional<int64_t> bytes;
-  if (!scoring.input.with_optimizer) bytes = scoring.input.bytes;
-  ProgressBar bar("evaluate");
-  return score_splits(
-      scoring.backend, scoring.input.model, scene, scoring.splits, bytes,
-      [&](const Frame& frame, const RenderedImage& image, const ViewScore& view, int64_t done,
-          int64_t total) {
-        stop_if_interrupted();
-        if (scoring.images)
-          write_image_png(
-              scoring.images->path(image_folder(scoring.request, scale) + frame.name + ".png"),
-              image);
-        bar.update(done, total, fmt::format("{} {:.2f} dB", name_of(frame.split), view.psnr));
-      },
-      options);
+  if (boxes) options.object_boxes = [&](const Frame& frame) { return boxes->of(frame); };
+  return options;
 }
 
 /// The scores at scale 1, or at the first where 1 is not requested; those of each under `scales`.
-json score(const EvaluateRequest& request, const ModelInput& input, const Scene& scene,
+json score(const EvaluateRequest& request, const Clip& clip, const Scene& scene,
            const std::vector<Split>& splits, Lpips* lpips, Backend& backend) {
-  Scoring scoring{request, input, splits, lpips, backend, {}, {}};
-  if (!request.boxes.empty()) {
-    scoring.boxes.emplace(request.boxes);
-    scoring.boxes->check_fits(scene, splits);
-  }
+  std::optional<ObjectBoxes> boxes;
+  if (!request.boxes.empty()) boxes.emplace(request.boxes).check_fits(scene, splits);
+  std::optional<OutputFolder> images;
   if (!request.images.empty())
-    scoring.images.emplace(request.images, "evaluate", image_names(request, scene, splits),
-                           request.overwrite);
+    images.emplace(request.images, "evaluate", image_names(request, scene, splits),
+                   request.overwrite);
+  const EvaluateOptions options = options_of(request, lpips, boxes);
   json result = json::object(), by_scale = json::object();
   for (const double scale : request.scales) {
-    const double truth = truth_scale(scale, input.model.train_scale);
-    json scores = truth == 1 ? score_at(scoring, scale, scene)
-                             : score_at(scoring, scale, scaled_scene(scene, truth));
+    json scores = score_clip(
+        backend, clip, scene.path, splits, options, scale,
+        [&](const Frame& frame, const RenderedImage& image, const ViewScore&, int64_t, int64_t) {
+          if (images)
+            write_image_png(images->path(image_folder(request, scale) + frame.name + ".png"),
+                            image);
+        });
     if (result.empty() || scale == 1) result = scores;
     by_scale[fmt::format("{}", scale)] = std::move(scores);
   }
   result["scales"] = std::move(by_scale);
-  if (scoring.images) scoring.images->finish();
+  if (images) images->finish();
   return result;
 }
 
@@ -174,12 +142,23 @@ std::string scores_lines(const EvaluateRequest& request, const json& scores) {
   return text;
 }
 
-json frame_rate_json(Backend& backend, const GaussianModel& model, const Scene& scene,
+/// Of the views of the window with the most Gaussians, which is the slowest.
+json frame_rate_json(Backend& backend, const Clip& clip, const Scene& scene,
                      const std::vector<Split>& splits) {
+  GaussianModel model = clip.windows.load(0);
+  int slowest = 0;
+  for (int i = 1; i < int(clip.count()); ++i)
+    if (GaussianModel other = clip.windows.load(i); other.count() > model.count()) {
+      model = std::move(other);
+      slowest = i;
+    }
   std::vector<View> views;
   for (Split split : splits)
     for (int i : scene.split_indices(split))
-      views.push_back({scene.frames[size_t(i)].camera, scene.frames[size_t(i)].time});
+      if (const Frame& frame = scene.frames[size_t(i)];
+          window_at(clip.windows.windows, frame.time) == slowest)
+        views.push_back(
+            {frame.camera, window_time(clip.windows.windows[size_t(slowest)], frame.time)});
   if (views.empty()) throw InputError(fmt::format("{}: no view to time", scene.path));
   const RenderRate rate = measure_render_rate(backend, model, views);
   const bool on_host = &backend.memory() == &host_memory();
@@ -193,106 +172,57 @@ json frame_rate_json(Backend& backend, const GaussianModel& model, const Scene& 
           {"num_gaussians", rate.num_gaussians}};
 }
 
-/// Of one model, with the lines for a person under `text`.
+std::string frame_rate_text(const json& rate) {
+  return fmt::format(
+      "\n{:.1f} frames/s of {} x {} pixels, {} frames, measured by the clock of the {}",
+      rate["fps"].get<double>(), rate["width"].get<int>(), rate["height"].get<int>(),
+      rate["frames"].get<int64_t>(), rate["clock"] == "host" ? "host" : "device");
+}
+
+std::string counts_text(const Clip& clip, const json& scores) {
+  const auto count = [&](const char* key) { return scores[key].get<int64_t>(); };
+  if (clip.count() == 1)
+    return fmt::format("{} Gaussians ({} static, {} dynamic), {}", count("num_gaussians"),
+                       count("num_static"), count("num_dynamic"),
+                       clip.bytes ? fmt::format("model file {}", size_text(*clip.bytes))
+                                  : "read from a checkpoint");
+  const json& borders = scores["borders"];
+  return fmt::format(
+      "  temporal error across borders {}/255, inside {}/255; of moving pixels {} and {}\n{} "
+      "windows over {} static Gaussians, {} dynamic ones in all, at most {} at a time",
+      number_text(borders["border"], 2), number_text(borders["inside"], 2),
+      number_text(borders["border_moving"], 2), number_text(borders["inside_moving"], 2),
+      clip.count(), count("num_static"), count("num_dynamic"), count("peak_gaussians"));
+}
+
+/// Of one model or clip, with the lines for a person under `text`.
 json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpips* lpips,
                     Backend& backend, std::string& text) {
-  ModelInput input = load_model_input(path);
-  for (const std::string& warning : input.warnings) warn(warning);
-  replace_background(request.background, input.model);
+  Clip clip = load_clip(path);
   const fs::path folder = scene_path(request, path);
+  if (request.scene.empty())
+    if (const std::string changed = changed_scene(path, folder.string()); !changed.empty())
+      warn(changed);
+  for (const std::string& warning : clip.warnings) warn(warning);
+  clip.edit([&](GaussianModel& model) { replace_background(request.background, model); });
   if (!request.images.empty()) check_output_of_model(request.images, path, folder);
   const SceneLock in_use(folder, SceneLock::Use::kRead);
-  const Scene scene =
-      scene_for(input.model, path, folder, {.pixels_of = requested_splits(request)});
+  const Scene scene = scene_for(*clip.head, path, folder, {.load_pixels = false});
   for (const std::string& warning : scene.warnings) warn(warning);
   const std::vector<Split> splits = chosen_splits(request, scene);
-  json scores = score(request, input, scene, splits, lpips, backend);
-  scores["model"] = input.file.string();
+  json scores = score(request, clip, scene, splits, lpips, backend);
+  if (!scores.contains("psnr"))
+    throw InputError(fmt::format("{}: has no frames of the split {}", scene.path, request.split));
+  scores["model"] = clip.file.string();
   scores["scene"] = scene.path;
   scores["backend"] = backend.name();
-  if (request.as_json) scores["shipped_bytes"] = shipped_bytes(path, input.model);
-  text = fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {}", scores_lines(request, scores),
-                     input.model.count(), input.model.static_set.count(),
-                     input.model.dynamic_set.count(),
-                     input.with_optimizer ? "read from a checkpoint"
-                                          : fmt::format("model file {}", size_text(input.bytes)));
+  if (request.as_json && clip.count() == 1)
+    scores["shipped_bytes"] = shipped_bytes(path, *clip.head);
+  text = fmt::format("{}\n{}", scores_lines(request, scores), counts_text(clip, scores));
   if (!request.fps) return scores;
-  const json rate = frame_rate_json(backend, input.model, scene, splits);
-  scores["frame_rate"] = rate;
-  text +=
-      fmt::format("\n{:.1f} frames/s of {} x {} pixels, {} frames, measured by the clock of the {}",
-                  rate["fps"].get<double>(), rate["width"].get<int>(), rate["height"].get<int>(),
-                  rate["frames"].get<int64_t>(), rate["clock"] == "host" ? "host" : "device");
+  scores["frame_rate"] = frame_rate_json(backend, clip, scene, splits);
+  text += frame_rate_text(scores["frame_rate"]);
   return scores;
-}
-
-/// --scene, else that of the windows or of the run in which the file lies.
-fs::path scene_of_clip(const EvaluateRequest& request, const WindowsFolder& folder,
-                       const std::string& path) {
-  if (request.scene.empty() && folder.exists()) return scene_of_windows(folder, folder.read());
-  return scene_path(request, path);
-}
-
-/// Of a clip that was trained window by window, from its folder or its Tessera 4D file.
-json evaluate_clip(const EvaluateRequest& request, const std::string& path, const ClipModels& clip,
-                   Lpips* lpips, Backend& backend, std::string& text) {
-  const WindowsFolder folder = windows_folder_of(path);
-  for (const auto& [given, name] : {std::pair{!request.images.empty(), "--save-images"},
-                                    {!request.boxes.empty(), "--boxes"},
-                                    {!request.moving_masks.empty(), "--moving-masks"},
-                                    {!request.background.empty(), "--background"},
-                                    {request.scales != std::vector<double>{1}, "--scales"},
-                                    {request.fps, "--fps"}})
-    if (given)
-      throw InputError(fmt::format(
-          "{}: is of windows, and {} of one model; evaluate the run of a window, e.g. {}", path,
-          name, (folder.exists() ? folder.window_run(0) : "OUT/run/windows/0000").string()));
-  EvaluateOptions options;
-  if (lpips != nullptr)
-    options.lpips = [lpips](const Image8& drawn, const Image8& truth) {
-      return lpips->distance(drawn, truth);
-    };
-  const fs::path scene = scene_of_clip(request, folder, path);
-  const SceneLock in_use(scene, SceneLock::Use::kRead);
-  json scores = score_windows(backend, clip.windows, scene, requested_splits(request), options,
-                              folder.exists() ? folder.static_scene() : fs::path());
-  if (scores.empty())
-    throw InputError(
-        fmt::format("{}: no frames are held out; pass --split train to score what was "
-                    "trained on",
-                    path));
-  scores["model"] = folder.exists() ? folder.root.string() : path;
-  scores["scene"] = scene.string();
-  if (clip.bytes > 0) scores["bytes"] = clip.bytes;
-  scores["backend"] = backend.name();
-  const json& borders = scores["borders"];
-  text = fmt::format(
-      "{}\n  temporal error across borders {}/255, inside {}/255; of moving pixels {} and {}\n{} "
-      "windows over {} static Gaussians, {} dynamic ones in all, at most {} at a time",
-      scores_text(scores, score_detail()), number_text(borders["border"], 2),
-      number_text(borders["inside"], 2), number_text(borders["border_moving"], 2),
-      number_text(borders["inside_moving"], 2), scores["windows"].get<int64_t>(),
-      scores["num_static"].get<int64_t>(), scores["num_dynamic"].get<int64_t>(),
-      scores["peak_gaussians"].get<int64_t>());
-  return scores;
-}
-
-/// With the splits that `auto` means for that model.
-EvaluateRequest with_splits_of(EvaluateRequest request, const std::string& path) {
-  if (request.split != kAutoSplit) return request;
-  const fs::path scene = scene_of_clip(request, windows_folder_of(path), path);
-  const bool all_trained = held_out_splits(scene_without_pixels(scene, true)).empty();
-  request.split = all_trained ? name_of(Split::kTrain) : "";
-  return request;
-}
-
-void warn_of_changed_scene(const fs::path& model) {
-  const WindowsFolder windows = windows_folder_of(model);
-  const std::string changed =
-      windows.exists()
-          ? changed_scene(windows.window_run(0), scene_of_windows(windows, windows.read()).string())
-          : changed_scene(model, scene_of_model(model));
-  if (!changed.empty()) warn(changed);
 }
 
 /// Checks what can be checked before a model is read.
@@ -313,8 +243,7 @@ int evaluate_command(const EvaluateRequest& request) {
   const bool several = request.models.size() > 1;
   std::set<std::string> paths;
   for (const std::string& model : request.models)
-    if (several && !windows_folder_of(model).exists())
-      paths.insert(fs::weakly_canonical(scene_path(request, model)).string());
+    if (several) paths.insert(fs::weakly_canonical(scene_path(request, model)).string());
   if (paths.size() > 1)
     throw InputError(fmt::format(
         "the runs are of different scenes: {}; evaluate each scene's runs together, or pass "
@@ -328,11 +257,7 @@ int evaluate_command(const EvaluateRequest& request) {
   for (const std::string& model : request.models) {
     std::string lines;
     Lpips* const network = lpips ? &*lpips : nullptr;
-    const std::optional<ClipModels> clip = clip_of(model);
-    if (request.scene.empty()) warn_of_changed_scene(model);
-    const EvaluateRequest asked = with_splits_of(request, model);
-    runs.push_back(clip ? evaluate_clip(asked, model, *clip, network, *backend, lines)
-                        : evaluate_model(asked, model, network, *backend, lines));
+    runs.push_back(evaluate_model(request, model, network, *backend, lines));
     text += several ? fmt::format("{}\n{}\n", model, lines) : lines;
   }
   if (!several) {

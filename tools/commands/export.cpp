@@ -12,10 +12,9 @@
 #include "tools/cli/command.h"
 #include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
+#include "tools/clip/clip.h"
 #include "tools/export/clean_model.h"
 #include "tools/export/formats.h"
-#include "tools/export/windows_export.h"
-#include "tools/session/model_input.h"
 
 namespace tessera {
 namespace {
@@ -101,13 +100,13 @@ void warn_of_losses(const GaussianModel& model, const std::string& name,
 }
 
 /// Coordinates of maps are written without their millions.
-void warn_of_origin(const ModelInput& input) {
-  const glm::dvec3 origin = -input.model.prepared_from_source.translation;
+void warn_of_origin(const Clip& clip) {
+  const glm::dvec3 origin = -clip.head->prepared_from_source.translation;
   if (origin == glm::dvec3(0)) return;
   warn(fmt::format(
       "{}: its capture lies so far from the origin that floats do not hold it; exported "
       "are its places less ({:.10g}, {:.10g}, {:.10g})",
-      input.file.string(), origin.x, origin.y, origin.z));
+      clip.file.string(), origin.x, origin.y, origin.z));
 }
 
 /// The files that an earlier export left in the folder are removed; the model must not be one.
@@ -120,20 +119,16 @@ void check_places(const ExportRequest& request, const std::filesystem::path& mod
   check_output_of_model(request.out, request.model, request.cameras);
 }
 
-/// Of a clip that was trained window by window.
-int export_clip(const ExportRequest& request, const WindowsFolder& folder) {
-  check_output_of_model(request.out, folder.root.string(), request.cameras);
-  nlohmann::json result = export_windows(request, folder);
-  warn_of_losses(clip_models(folder).head, folder.root.string(), find_time_format(request.format));
-  result["out"] = request.out;
-  result["format"] = request.format;
-  result["model"] = folder.root.string();
-  print_result(
-      request.json, result,
-      fmt::format("{}: {} windows in {} files, {:.1f} MB; at most {} Gaussians at a time",
-                  request.out, result["windows"].get<int64_t>(), result["frames"].get<int64_t>(),
-                  result["bytes"].get<double>() / 1e6, result["peak_gaussians"].get<int64_t>()));
-  return kExitDone;
+std::string written_text(const ExportRequest& request, const nlohmann::json& result) {
+  const int64_t frames = result["frames"], bytes = result["bytes"];
+  std::string text = fmt::format("{}: {} file{}, {:.1f} MB", request.out, frames,
+                                 frames == 1 ? "" : "s", double(bytes) / 1e6);
+  if (result.contains("windows"))
+    text += fmt::format("; {} windows, at most {} Gaussians at a time",
+                        result["windows"].get<int64_t>(), result["peak_gaussians"].get<int64_t>());
+  if (!result["floaters"].is_null())
+    text += fmt::format(", {} floaters left out", result["floaters"].get<int64_t>());
+  return text;
 }
 
 int export_command(const ExportRequest& request) {
@@ -141,31 +136,23 @@ int export_command(const ExportRequest& request) {
   const TimeFormat* const in_time = find_time_format(request.format);
   check_options(request, in_time);
   set_thread_count(request.threads);
-  if (const WindowsFolder windows = windows_folder_of(request.model); windows.exists())
-    return export_clip(request, windows);
-  ModelInput input = load_model_input(request.model);
-  for (const std::string& warning : input.warnings) warn(warning);
-  check_places(request, input.file);
-  const nlohmann::json floaters = clean_if_asked(request, input.model);
+  Clip clip = load_clip(request.model);
+  for (const std::string& warning : clip.warnings) warn(warning);
+  check_places(request, clip.file);
+  const nlohmann::json floaters = clean_if_asked(request, clip);
   if (!request.keep_world) {
-    input.model = model_in_source_world(input.model);
-    warn_of_origin(input);
+    clip.edit([](GaussianModel& model) { model = model_in_source_world(model); });
+    warn_of_origin(clip);
   }
-  nlohmann::json result = in_time != nullptr ? in_time->write(request, input.model)
-                                             : export_frames(request, input.model);
-  warn_of_losses(input.model, input.file.string(), in_time);  // of what has been written
+  nlohmann::json result =
+      in_time != nullptr ? in_time->write(request, clip) : export_frames(request, clip);
+  warn_of_losses(*clip.head, clip.file.string(), in_time);  // of what has been written
   result["out"] = request.out;
   result["format"] = request.format;
-  result["model"] = input.file.string();
-  result["num_gaussians"] = input.model.count();
+  result["model"] = clip.file.string();
+  if (clip.count() == 1) result["num_gaussians"] = clip.head->count();
   result["floaters"] = floaters;
-  const int64_t frames = result["frames"], bytes = result["bytes"];
-  print_result(request.json, result,
-               fmt::format("{}: {} file{}, {:.1f} MB{}", request.out, frames,
-                           frames == 1 ? "" : "s", double(bytes) / 1e6,
-                           floaters.is_null()
-                               ? ""
-                               : fmt::format(", {} floaters left out", floaters.get<int64_t>())));
+  print_result(request.json, result, written_text(request, result));
   return kExitDone;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,7 +10,9 @@
 
 #include "kernels/base/errors.h"
 #include "tools/batch/batch_jobs.h"
+#include "tools/cli/background_program.h"
 #include "tools/cli/command.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/jobs/perform.h"
 
@@ -44,7 +45,7 @@ int perform(const Job& job, const JobFolder& folder) {
       if (outcome->exit_code != 0) report_error(fmt::format("{}: {}", job.name, outcome->message));
       return outcome->exit_code;
     }
-    const int number = !interrupted() ? 0 : stop_code() == kExitInterrupted ? SIGINT : SIGTERM;
+    const int number = stop_signal();
     if (number != passed_on) running.signal(passed_on = number);
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
@@ -52,7 +53,7 @@ int perform(const Job& job, const JobFolder& folder) {
 
 int run(const JobRequest& request) {
   const fs::path root = fs::absolute(request.out / "").lexically_normal().parent_path();
-  const JobFolder folder{root, fs::read_symlink("/proc/self/exe")};
+  const JobFolder folder{root, this_program()};
   const Job job = job_named(request.name, folder);
   if (!request.refused.empty()) {
     record_refusal(job, folder, request.refused);

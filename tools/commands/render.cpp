@@ -17,12 +17,10 @@
 #include "tools/cli/interrupt.h"
 #include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
+#include "tools/clip/clip.h"
 #include "tools/export/image_files.h"
 #include "tools/session/locks.h"
-#include "tools/session/model_input.h"
 #include "tools/session/output_folder.h"
-#include "tools/session/run_folder.h"
-#include "tools/session/windows_folder.h"
 #include "tools/video/video_encoder.h"
 
 namespace tessera {
@@ -61,8 +59,8 @@ using ImageSink = std::function<void(const NamedView&, const RenderedImage&)>;
 /// Renders a model, or a clip in windows, of which one is in memory.
 class ClipRenderer {
  public:
-  ClipRenderer(Backend& backend, WindowModels models, bool background)
-      : backend_(backend), models_(std::move(models)), background_(background) {}
+  ClipRenderer(Backend& backend, const Clip& clip, bool background)
+      : backend_(backend), models_(clip.windows), background_(background) {}
 
   /// Views from `begin` on: one or more, at most kViewsAtOnce, all of one window.
   std::vector<RenderedImage> render(const std::vector<NamedView>& views, size_t begin) {
@@ -75,9 +73,8 @@ class ClipRenderer {
     }
     return renderer_->render(batch);
   }
-  /// Of what has been drawn: the most Gaussians at once, and the last background.
+  /// The most Gaussians at once of what has been drawn.
   int64_t peak() const { return peak_; }
-  const auto& background() const { return model_.background; }
 
  private:
   int window_of(const NamedView& view) const { return window_at(models_.windows, view.view.time); }
@@ -93,7 +90,7 @@ class ClipRenderer {
   }
 
   Backend& backend_;
-  const WindowModels models_;
+  const WindowModels& models_;
   const bool background_;
   GaussianModel model_;
   int window_ = -1;
@@ -200,58 +197,38 @@ void check_request(RenderRequest& request) {
         fmt::format("{}: is there already; choose another file or pass --overwrite", request.out));
 }
 
-/// What is drawn: the model, or the windows of a clip, whose common part is in `input`.
-WindowModels models_of(const RenderRequest& request, std::optional<ClipModels> clip,
-                       ModelInput& input) {
-  WindowModels models;
-  if (clip) {
-    const WindowsFolder folder = windows_folder_of(request.model);
-    input.file = folder.exists() ? RunFolder{folder.window_run(clip->head_window)}.model()
-                                 : std::filesystem::path(request.model);
-    input.model = std::move(clip->head);
-    models = std::move(clip->windows);
-  } else {
-    input = load_model_input(request.model);
-    models.windows = {FileWindow{}};
-    models.load = [&input](int) { return std::move(input.model); };  // once, of the only one
-  }
-  return {std::move(models.windows), [request, load = std::move(models.load)](int window) {
-            GaussianModel model = load(window);
-            replace_background(request.background, model);
-            return request.dynamic_share ? dynamic_set_white(model) : std::move(model);
-          }};
-}
-
 int render(RenderRequest request) {
   check_request(request);
   set_thread_count(request.threads);
-  const WindowsFolder folder = windows_folder_of(request.model);
-  ModelInput input;
-  std::optional<ClipModels> clip = clip_of(request.model);
-  const bool of_windows = clip.has_value();
-  const WindowModels models = models_of(request, std::move(clip), input);
-  check_output_of_model(request.out, folder.exists() ? folder.root.string() : request.model,
-                        request.choice.cameras);
+  Clip clip = load_clip(request.model);
+  check_output_of_model(request.out, clip.named, request.choice.cameras);
   const SceneLock in_use(request.choice.cameras, SceneLock::Use::kRead);
-  const std::vector<NamedView> views = request.path.path.empty()
-                                           ? read_views(request.choice, input.model)
-                                           : path_views(request.path, input, input.warnings);
-  for (const std::string& warning : input.warnings) warn(warning);
+  const std::vector<NamedView> views =
+      request.path.path.empty()
+          ? read_views(request.choice, *clip.head)
+          : path_views(request.path,
+                       {*clip.head, clip.named, model_kind(clip.file) == ModelKind::kSplats},
+                       clip.warnings);
+  for (const std::string& warning : clip.warnings) warn(warning);
   if (!request.path.path.empty()) say_small(request.path, views.front().view.camera);
+  clip.edit([&](GaussianModel& model) {
+    replace_background(request.background, model);
+    if (request.dynamic_share) model = dynamic_set_white(model);
+  });
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
-  ClipRenderer renderer(*backend, models, !request.alpha);
+  ClipRenderer renderer(*backend, clip, !request.alpha);
   nlohmann::json result =
       request.mp4 ? write_video(request, renderer, views) : write_images(request, renderer, views);
   result.update({{"out", request.out},
-                 {"model", folder.exists() ? folder.root.string() : input.file.string()},
+                 {"model", clip.file.string()},
                  {"num_gaussians", renderer.peak()},
-                 {"background", renderer.background()},
+                 {"background", clip.head->background},
                  {"backend", backend->name()},
                  {"count", views.size()}});
-  if (of_windows) result["windows"] = models.windows.size();
+  if (clip.count() > 1) result["windows"] = clip.count();
   print_result(request.json, result,
                fmt::format("{}: {} images of {}{} Gaussians", request.out, views.size(),
-                           of_windows ? "at most " : "", renderer.peak()));
+                           clip.count() > 1 ? "at most " : "", renderer.peak()));
   return kExitDone;
 }
 

@@ -11,9 +11,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/terminal.h"
 #include "tools/report/write_run_report.h"
-#include "tools/session/held_out_scores.h"
 #include "tools/web/web_page.h"
-#include "tools/windows/windows_scores.h"
 
 namespace tessera {
 namespace {
@@ -38,9 +36,6 @@ void report_of_runs(const ReportArguments& arguments) {
     throw InputError("-o is missing: the folder for the report that compares these runs");
   const nlohmann::json report = write_run_report(
       {arguments.folders, arguments.out, [&] { return make_backend(arguments.batch.backend); },
-       [](Backend& backend, const WindowsFolder& windows) {
-         return score_windows(backend, windows, kHeldOutSplits);
-       },
        arguments.overwrite});
   say_without_pages();
   print_result(arguments.json, report, report["page"].get<std::string>());

@@ -18,18 +18,18 @@
 #include <thread>
 
 #include "ingest/files/folders.h"
+#include "ingest/files/json_file.h"
 #include "static3d/transform/world_change.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
+#include "tools/clip/clip.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
-#include "tools/export/windows_export.h"
 #include "tools/live/live_watch.h"
 #include "tools/live/open_browser.h"
 #include "tools/live/stopped_training.h"
 #include "tools/session/locks.h"
-#include "tools/session/model_input.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/version.h"
 #include "tools/session/windows_folder.h"
@@ -65,14 +65,10 @@ ViewSource made_page(const std::string& path) {
   page.model = path;
   page.out = source.folder.string();
   page.format = "page";
-  if (const WindowsFolder windows = windows_folder_of(path); windows.exists()) {
-    export_windows(page, windows);
-    return source;
-  }
-  ModelInput input = load_model_input(path);
-  for (const std::string& warning : input.warnings) warn(warning);
-  input.model = model_in_source_world(input.model);
-  find_time_format(page.format)->write(page, input.model);
+  Clip clip = load_clip(path);
+  for (const std::string& warning : clip.warnings) warn(warning);
+  clip.edit([](GaussianModel& model) { model = model_in_source_world(model); });
+  find_time_format(page.format)->write(page, clip);
   return source;
 }
 
@@ -210,9 +206,8 @@ int view(const ViewArguments& arguments) {
     watch = std::make_unique<LiveWatch>(source.run, source.folder, arguments.resumed_by);
     watch_training(*watch, state);
   }
-  state.run =
-      nlohmann::json{{"kind", source.kind}, {"path", arguments.path}, {"version", kVersionText}}
-          .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  state.run = json_text(
+      nlohmann::json{{"kind", source.kind}, {"path", arguments.path}, {"version", kVersionText}});
   const std::string address = fmt::format("http://{}:{}/?token={}", host, socket.port, state.token);
   print_address(arguments, socket, source.kind, address);
   if (source.kind != "training")

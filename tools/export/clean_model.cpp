@@ -9,7 +9,7 @@
 #include "recon4d/reduction/floaters.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/backend_options.h"
-#include "tools/session/run_folder.h"
+#include "tools/session/model_scene.h"
 
 namespace tessera {
 namespace {
@@ -36,9 +36,16 @@ std::optional<int64_t> clean_model(const std::filesystem::path& scene, GaussianM
   return remove_marked(find_floaters(model, measure_support(*backend, model, cameras)), model);
 }
 
-nlohmann::json clean_if_asked(const ExportRequest& request, GaussianModel& model) {
+nlohmann::json clean_if_asked(const ExportRequest& request, Clip& clip) {
   const bool page = request.page || request.format == "page" || request.format == "html";
   if (!request.clean.value_or(page)) return nullptr;
+  if (clip.count() > 1) {
+    if (!request.clean) return nullptr;
+    throw InputError(fmt::format(
+        "export: --clean is of one model, and {} has {} windows, which share their static "
+        "Gaussians; leave it out",
+        request.model, clip.count()));
+  }
   const std::filesystem::path scene = scene_of_training(request);
   if (scene.empty()) {
     if (!request.clean) return nullptr;
@@ -47,7 +54,7 @@ nlohmann::json clean_if_asked(const ExportRequest& request, GaussianModel& model
         "pass the scene as --cameras");
   }
   try {
-    if (const std::optional<int64_t> removed = clean_model(scene, model)) return *removed;
+    if (const std::optional<int64_t> removed = clean_model(scene, *clip.head)) return *removed;
   } catch (const InputError&) {
     if (request.clean) throw;
     return nullptr;  // a scene that has changed since is not required

@@ -20,7 +20,8 @@ std::optional<int64_t> clean_model(const std::filesystem::path& scene, GaussianM
 
 /// The same where `request` asks for it, or says nothing and writes a page whose scene is there and
 /// can be read. How many were removed; null where it was not done.
-/// Errors: InputError: asked for, but the scene is not there or has too few cameras.
-nlohmann::json clean_if_asked(const ExportRequest& request, GaussianModel& model);
+/// Errors: InputError: asked for, but the clip has several windows, or the scene is not there or
+/// has too few cameras.
+nlohmann::json clean_if_asked(const ExportRequest& request, Clip& clip);
 
 }  // namespace tessera

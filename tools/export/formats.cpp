@@ -1,5 +1,5 @@
-// Writes the Tessera 4D file as folder, single file or page, the model file, and numbered frames.
-// static3d and recon4d/model/model_file.h encode the formats.
+// Writes the model file and numbered frames. static3d and recon4d/model/model_file.h encode the
+// formats.
 #include "tools/export/formats.h"
 
 #include <fmt/format.h>
@@ -16,7 +16,9 @@
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
+#include "tools/export/page_head.h"
 #include "tools/export/player_files.h"
+#include "tools/export/tessera4d_export.h"
 #include "tools/session/output_folder.h"
 #include "tools/session/version.h"
 
@@ -26,67 +28,6 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-Tessera4dFile encoded(const ExportRequest& request, const GaussianModel& model) {
-  return encode_tessera4d(model, tessera4d_options(request, model));
-}
-
-json result_of(const Tessera4dFile& file, int64_t files, int64_t bytes) {
-  return {{"frames", files},
-          {"bytes", bytes},
-          {"scene_bytes", file.bytes()},
-          {"max_gaussians", file.static_count + file.dynamic_count},
-          {"non_finite", file.non_finite},
-          {"never_drawn", file.never_drawn},
-          {"far_outliers", file.far_outliers}};
-}
-
-/// Manifest, blocks and what goes beside them.
-json write_folder(const ExportRequest& request, GaussianModel& model, bool page) {
-  const PageHead head = page ? page_head(request, model) : PageHead{};
-  const std::string html = page ? page_of_folder(head) : "";
-  const std::string sound = request.audio.empty() ? "" : read_text_file(request.audio);
-  const Tessera4dFile file = encoded(request, model);
-  std::vector<std::string> files{kTessera4dManifest};
-  for (const auto& [name, bytes] : file.blocks) files.push_back(name);
-  const std::string audio = fs::path(request.audio).filename().string();
-  if (!audio.empty()) files.push_back(audio);
-  if (page) files.emplace_back(kPageFile);
-  const std::string poster = head.poster.file();
-  if (!poster.empty()) files.push_back(poster);
-  OutputFolder folder(request.out, "export", files, request.overwrite);
-  if (!audio.empty()) write_text_file(folder.path(audio), sound);
-  if (page) write_text_file(folder.path(kPageFile), html);
-  if (!poster.empty()) write_text_file(folder.path(poster), head.poster.bytes);
-  write_tessera4d_folder(folder.staging(), file);
-  folder.finish();
-  return result_of(file, int64_t(files.size()),
-                   file.bytes() + int64_t(html.size() + sound.size() + head.poster.bytes.size()));
-}
-
-json write_one(const ExportRequest& request, const Tessera4dFile& file, const char* name,
-               const std::string& bytes) {
-  OutputFolder folder(request.out, "export", {name}, request.overwrite);
-  write_text_file(folder.path(name), bytes);
-  folder.finish();
-  return result_of(file, 1, int64_t(bytes.size()));
-}
-
-json write_tessera(const ExportRequest& request, GaussianModel& model) {
-  if (!request.single) return write_folder(request, model, false);
-  const Tessera4dFile file = encoded(request, model);
-  return write_one(request, file, kSingleTessera4d, single_tessera4d(file));
-}
-
-json write_page(const ExportRequest& request, GaussianModel& model) {
-  return write_folder(request, model, true);
-}
-
-json write_html(const ExportRequest& request, GaussianModel& model) {
-  const PageHead head = page_head(request, model);
-  const Tessera4dFile file = encoded(request, model);
-  return write_one(request, file, kPageFile, page_with(single_tessera4d(file), head));
-}
-
 /// Leaves out what no program can draw; returns how many.
 int64_t drop_invalid(GaussianSet& set) {
   const std::vector<int64_t> rows = valid_elements(set);
@@ -95,7 +36,13 @@ int64_t drop_invalid(GaussianSet& set) {
   return dropped;
 }
 
-json write_model(const ExportRequest& request, GaussianModel& model) {
+json write_model(const ExportRequest& request, Clip& clip) {
+  if (clip.count() > 1)
+    throw InputError(fmt::format(
+        "{}: has {} windows, and --format model holds one model; name the run of a window "
+        "(RUN/windows/0000), or take --format tessera, page, html or frames (ply, spz, …)",
+        request.model, clip.count()));
+  GaussianModel& model = *clip.head;
   const int64_t dropped = drop_invalid(model.static_set) + drop_invalid(model.dynamic_set);
   OutputFolder folder(request.out, "export", {"model.ply"}, request.overwrite);
   save_model(folder.path("model.ply"), model);
@@ -159,9 +106,9 @@ Tessera4dOptions tessera4d_options(const ExportRequest& request, const GaussianM
 const std::vector<TimeFormat>& time_formats() {
   static const std::vector<TimeFormat> rows = {
       {"tessera", "Tessera 4D: manifest.json and blocks that players stream; --single: one .t4d",
-       write_tessera},
-      {"page", "the same with the web player, for a web server", write_page},
-      {"html", "player and model in one .html that opens by itself", write_html},
+       export_tessera4d},
+      {"page", "the same with the web player, for a web server", export_tessera4d},
+      {"html", "player and model in one .html that opens by itself", export_tessera4d},
       {"model", "one 4D .ply, bit for bit as trained", write_model, false, true},
   };
   return rows;
@@ -199,8 +146,8 @@ void check_max_bytes(const std::string& scene, int64_t max_bytes) {
                   max_bytes, options.cameras.size(), scene, least));
 }
 
-nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model,
-                             const WindowModels& windows) {
+json export_frames(const ExportRequest& request, const Clip& clip) {
+  const GaussianModel& model = *clip.head;
   const SplatFormat format =
       request.format == "spz" ? spz_format(request.spz_version) : splat_format(request.format);
   if (request.page) check_page_plays(format);
@@ -222,7 +169,7 @@ nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& 
       bar.update(done, total);
     };
     report = folder.written([&] {
-      return export_sequence(model, folder.staging(), times, format, progress, hints, windows);
+      return export_sequence(model, folder.staging(), times, format, progress, hints, clip.windows);
     });
   }
   if (request.page) write_text_file(folder.path(kPageFile), page_of_folder(head));
@@ -230,10 +177,13 @@ nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& 
     write_text_file(folder.path(head.poster.file()), head.poster.bytes);
   folder.finish();
   warn_of_range(request, report);
-  return {{"frames", report.frames.size()},        {"bytes", report.bytes},
-          {"max_gaussians", report.max_gaussians}, {"non_finite", report.non_finite},
-          {"below_cutoff", report.below_cutoff},   {"far_outliers", report.far_outliers},
-          {"out_of_range", report.out_of_range}};
+  json result = {{"frames", report.frames.size()},        {"bytes", report.bytes},
+                 {"max_gaussians", report.max_gaussians}, {"non_finite", report.non_finite},
+                 {"below_cutoff", report.below_cutoff},   {"far_outliers", report.far_outliers},
+                 {"out_of_range", report.out_of_range}};
+  if (clip.count() > 1)
+    result.update({{"windows", clip.count()}, {"peak_gaussians", report.max_gaussians}});
+  return result;
 }
 
 }  // namespace tessera

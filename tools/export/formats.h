@@ -9,8 +9,8 @@
 #include "recon4d/model/gaussian_set.h"
 #include "recon4d/reduction/size_limit.h"
 #include "static3d/tessera4d/tessera4d.h"
-#include "static3d/tessera4d/windows.h"
 #include "tools/camera_paths/export_times.h"
+#include "tools/clip/clip.h"
 
 namespace tessera {
 
@@ -35,7 +35,7 @@ struct TimeFormat {
   const char* name;  // of --format
   const char* doc;
   /// Writes the folder; `frames` (files), `bytes` and counters.
-  nlohmann::json (*write)(const ExportRequest&, GaussianModel&);
+  nlohmann::json (*write)(const ExportRequest&, Clip&);
   bool is_tessera4d = true;  // takes --lossless, --segment, --cameras, --audio, --fps
   bool keeps_environment = false;
 };
@@ -57,9 +57,9 @@ ShippedBytes shipped_bytes_of(const std::string& path);
 /// than `max_bytes`; 0: no limit. As load_scene.
 void check_max_bytes(const std::string& scene, int64_t max_bytes);
 
-/// Writes the folder; frames, bytes and counters. Errors: as export_times, export_sequence.
-/// `windows`: as of export_sequence.
-nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model,
-                             const WindowModels& windows = {});
+/// Writes the folder; frames, bytes and counters, each frame of the window that is drawn at its
+/// time; of several windows also `windows` and `peak_gaussians`. Errors: as export_times,
+/// export_sequence.
+nlohmann::json export_frames(const ExportRequest& request, const Clip& clip);
 
 }  // namespace tessera

@@ -11,6 +11,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/folders.h"
+#include "ingest/files/json_file.h"
 #include "ingest/files/png.h"
 #include "kernels/base/errors.h"
 #include "recon4d/training/scene_scale.h"
@@ -18,7 +19,7 @@
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/backend_options.h"
 #include "tools/export/image_files.h"
-#include "tools/session/run_folder.h"
+#include "tools/session/model_scene.h"
 #include "tools/video/video_encoder.h"
 #include "tools/web/page_words.h"
 #include "tools/web/web_page.h"
@@ -141,7 +142,7 @@ std::string Poster::file() const {
 
 PageHead page_head(const ExportRequest& request, const GaussianModel& model) {
   PageHead head{request.title, request.description, {}, {}};
-  if (request.truth) head.truth = truth_views(request, model).dump();
+  if (request.truth) head.truth = json_text(truth_views(request, model));
   if (request.poster == kAuto)
     head.poster.bytes = poster_view(request, model);
   else if (!request.poster.empty())

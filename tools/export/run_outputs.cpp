@@ -4,13 +4,12 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
-#include "recon4d/model/model_file.h"
 #include "static3d/transform/world_change.h"
 #include "tools/camera_paths/camera_path.h"
 #include "tools/cli/terminal.h"
 #include "tools/export/clean_model.h"
 #include "tools/export/formats.h"
-#include "tools/export/windows_export.h"
+#include "tools/session/model_scene.h"
 
 namespace tessera {
 namespace {
@@ -28,46 +27,40 @@ ExportRequest request_of(const RunFolder& run, const fs::path& folder, const cha
   return request;
 }
 
+void to_source_world(Clip& clip) {
+  clip.edit([](GaussianModel& model) { model = model_in_source_world(model); });
+}
+
 }  // namespace
 
 json write_run_frames(const RunFolder& run, const fs::path& folder, int64_t count) {
   ExportRequest request = request_of(run, folder, "ply");
   request.times.frames = count;
-  if (const WindowsFolder windows{run.root}; windows.exists()) {
-    const json written = export_windows(request, windows);
-    return {{"folder", request.out}, {"frames", written["frames"]}, {"bytes", written["bytes"]}};
-  }
-  const GaussianModel model = model_in_source_world(load_model(run.model()));
-  if (model.environment.height > 0)
+  Clip clip = load_clip(run.root);
+  to_source_world(clip);
+  if (clip.head->environment.height > 0)
     warn("the environment is not in the PLY frames, which are 3DGS files; the model keeps it");
-  const json written = export_frames(request, model);
+  const json written = export_frames(request, clip);
   return {{"folder", request.out}, {"frames", written["frames"]}, {"bytes", written["bytes"]}};
 }
 
 json write_run_player(const RunFolder& run, const fs::path& folder, const std::string& title,
                       const std::string& description) {
   constexpr int64_t kMostInside = int64_t{64} << 20;  // bytes
-  const WindowsFolder windows{run.root};
-  ExportRequest page = request_of(run, folder, windows.exists() ? "page" : "html");
+  Clip clip = load_clip(run.root);
+  ExportRequest page = request_of(run, folder, clip.count() > 1 ? "page" : "html");
   page.title = title;
   page.description = description;
-  if (windows.exists()) {
-    page.poster = "auto";
-    json written = export_windows(page, windows);
-    written.update({{"folder", page.out}, {"format", page.format}, {"floaters", nullptr}});
-    return written;
-  }
-  GaussianModel model = load_model(run.model());
   if (!scene_of_model(page.model).empty()) {
     page.poster = "auto";
     page.truth = true;
   }
-  const json floaters = clean_if_asked(page, model);
-  model = model_in_source_world(model);
-  json written = find_time_format(page.format)->write(page, model);
-  if (written["scene_bytes"] > kMostInside) {
+  const json floaters = clean_if_asked(page, clip);
+  to_source_world(clip);
+  json written = find_time_format(page.format)->write(page, clip);
+  if (page.format == "html" && written["scene_bytes"] > kMostInside) {
     page.format = "page";
-    written = find_time_format(page.format)->write(page, model);
+    written = find_time_format(page.format)->write(page, clip);
   }
   written.update({{"folder", page.out}, {"format", page.format}, {"floaters", floaters}});
   return written;

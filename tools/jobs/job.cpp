@@ -57,9 +57,7 @@ std::vector<Job> jobs_to_do(const std::vector<Job>& jobs, const JobFolder& folde
 void write_job_list(const std::vector<Job>& jobs, const JobFolder& folder) {
   json names = json::array();
   for (const Job& job : jobs_to_do(jobs, folder)) names.push_back(job.name);
-  write_text_file(folder.list(), json{{"jobs", jobs}, {"to_do", names}}.dump(
-                                     1, ' ', false, json::error_handler_t::replace) +
-                                     "\n");
+  write_text_file(folder.list(), json_text(json{{"jobs", jobs}, {"to_do", names}}, 1) + "\n");
 }
 
 std::vector<Job> read_job_list(const JobFolder& folder) {

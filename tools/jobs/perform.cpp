@@ -21,6 +21,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/folders.h"
+#include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/seconds_since.h"
 #include "tools/cli/background_program.h"
@@ -83,8 +84,7 @@ json begun_record(const Job& job, const JobFolder& folder, double seconds_before
 
 void write_record(const Job& job, const JobFolder& folder, const json& record) {
   make_folder(folder.record(job.name).parent_path());
-  write_text_file(folder.record(job.name),
-                  record.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
+  write_text_file(folder.record(job.name), json_text(record, 1) + "\n");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
 #include "recon4d/options/train_options_json.h"
 #include "tools/export/formats.h"
 #include "tools/live/stopped_training.h"
@@ -38,7 +39,7 @@ void take_arguments(const TrainArguments& arguments, PlannedOptions planned,
                     const std::string& files, TrainRequest& request) {
   json asked = asked_of_training(arguments, planned, request.window, request.static_model);
   asked[kSceneFiles] = files;
-  request.made_for = asked.dump();
+  request.made_for = json_text(asked);
   request.options = std::move(planned.options);
   request.with_nodes = std::move(planned.with_nodes);
   request.preset = arguments.preset;

@@ -1,5 +1,6 @@
 // Reads and writes the files as JSON. They are written every second, without a sync to the disk.
 #include "tools/live/live_folder.h"
+#include "ingest/files/json_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -22,12 +23,6 @@ namespace {
 
 using nlohmann::json;
 
-/// A loss that is no number becomes null.
-template <class T>
-std::string json_text(const T& value) {
-  return json(value).dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
 template <class T>
 std::optional<T> read(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -43,7 +38,7 @@ std::optional<T> read(const std::filesystem::path& path) {
 }  // namespace
 
 std::string text_of(const LiveState& state) {
-  return json_text(state);
+  return json_text(json(state));  // a loss that is no number becomes null
 }
 
 std::filesystem::path LiveFolder::snapshot(int64_t number) const {
@@ -81,7 +76,7 @@ bool LiveFolder::write(const LiveState& state) const {
   return replace(root_ / "state.json", text_of(state));
 }
 bool LiveFolder::write(const LiveRequest& request) const {
-  return replace(root_ / "request.json", json_text(request));
+  return replace(root_ / "request.json", json_text(json(request)));
 }
 bool LiveFolder::write_snapshot(int64_t number, const std::string& bytes) const {
   return replace(snapshot(number), bytes);

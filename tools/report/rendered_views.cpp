@@ -1,4 +1,4 @@
-// One model and its frames are in memory.
+// The model of one window and its frames are in memory.
 #include "tools/report/rendered_views.h"
 
 #include <limits>
@@ -8,29 +8,31 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
-#include "recon4d/evaluation/evaluate.h"
 #include "recon4d/evaluation/metrics.h"
 #include "recon4d/evaluation/render.h"
-#include "recon4d/model/model_file.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"
+#include "tools/clip/clip_scores.h"
+#include "tools/session/held_out_scores.h"
 #include "tools/session/locks.h"
+#include "tools/session/model_scene.h"
 #include "tools/session/run_folder.h"
+#include "tools/session/windows_folder.h"
 
 namespace tessera {
 
 namespace fs = std::filesystem;
 
 struct RenderedViews::Loaded {
-  Loaded(fs::path folder, GaussianModel its_model, Scene its_scene, Backend& backend)
-      : run(std::move(folder)),
+  Loaded(int index, GaussianModel its_model, Scene its_scene, Backend& backend)
+      : window(index),
         model(std::move(its_model)),
         scene(std::move(its_scene)),
         renderer(backend, model) {
     for (const Frame& frame : scene.frames) frames[frame.name] = &frame;
   }
 
-  const fs::path run;
+  const int window;
   const GaussianModel model;
   const Scene scene;
   Renderer renderer;
@@ -39,51 +41,41 @@ struct RenderedViews::Loaded {
 
 RenderedViews::RenderedViews(const fs::path& run,
                              const std::function<std::unique_ptr<Backend>()>& backend)
-    : root_(run), windows_{run} {
-  if (windows_.exists()) {
-    const WindowsPlan plan = windows_.read();
-    require_all_windows(windows_, plan);
-    parts_ = plan.windows;
-    scene_ = scene_of_windows(windows_, plan);
-  } else {
-    if (!fs::exists(RunFolder{run}.model()))
-      throw InputError("There is no model yet, so that no view can be rendered.");
-    scene_ = scene_of_model(run);
-    if (scene_.empty() || !fs::exists(scene_))
-      throw InputError("The scene of this run is gone, so that no view can be rendered.");
-  }
-  const fs::path trained = parts_.empty() ? root_ : windows_.window_run(0);
-  if (const std::string changed = changed_scene(trained, scene_.string()); !changed.empty())
+    : scene_(scene_of_model(run)) {
+  if (!WindowsFolder{run}.exists() && !fs::exists(RunFolder{run}.model()))
+    throw InputError("There is no model yet, so that no view can be rendered.");
+  clip_ = load_clip(run);
+  if (!fs::exists(scene_))
+    throw InputError("The scene of this run is gone, so that no view can be rendered.");
+  if (const std::string changed = changed_scene(run, scene_.string()); !changed.empty())
     throw InputError(changed);
   backend_ = backend();
-  if (parts_.empty()) load(root_);
 }
 
 RenderedViews::~RenderedViews() = default;
 
-RenderedViews::Loaded& RenderedViews::load(const fs::path& run) {
-  if (loaded_ && loaded_->run == run) return *loaded_;
+RenderedViews::Loaded& RenderedViews::load(int window) {
+  if (loaded_ && loaded_->window == window) return *loaded_;
   loaded_.reset();
   const SceneLock in_use(scene_, SceneLock::Use::kRead);
-  GaussianModel model = load_model(RunFolder{run}.model());
-  Scene scene =
-      scaled_scene(scene_for(model, run, scene_, {.held_out = std::numeric_limits<int64_t>::max()}),
-                   model.train_scale);
-  loaded_ = std::make_unique<Loaded>(run, std::move(model), std::move(scene), *backend_);
+  GaussianModel model = clip_.windows.load(window);
+  SceneOptions options{.held_out = std::numeric_limits<int64_t>::max()};
+  if (clip_.count() > 1) options.window = Window{window, clip_.count(), 0};
+  Scene scene = scaled_scene(scene_for(model, clip_.named, scene_, options), model.train_scale);
+  loaded_ = std::make_unique<Loaded>(window, std::move(model), std::move(scene), *backend_);
   return *loaded_;
 }
 
-nlohmann::json RenderedViews::scores(const WindowsScorer& of_windows) {
-  if (!parts_.empty()) return of_windows ? of_windows(*backend_, windows_) : nullptr;
-  const Loaded& run = load(root_);
-  if (run.scene.frames.empty()) return nullptr;
-  return to_json(
-      evaluate(*backend_, run.model, run.scene, run.scene.frames.front().split, EvaluateOptions{}),
-      run.model);
+nlohmann::json RenderedViews::scores() {
+  const SceneLock in_use(scene_, SceneLock::Use::kRead);
+  std::vector<Split> splits =
+      held_out_splits(scene_for(*clip_.head, clip_.named, scene_, {.load_pixels = false}));
+  if (splits.empty()) splits = {Split::kTrain};
+  return score_clip(*backend_, clip_, scene_, {splits.front()});
 }
 
 std::optional<RenderedView> RenderedViews::view(const ScoredView& view) {
-  Loaded& run = load(parts_.empty() ? root_ : windows_.window_run(window_at(parts_, view.time)));
+  Loaded& run = load(window_at(clip_.windows.windows, view.time));
   const auto found = run.frames.find(view.name);
   if (found == run.frames.end()) return std::nullopt;
   const Frame& frame = *found->second;

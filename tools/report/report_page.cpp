@@ -3,26 +3,20 @@
 
 #include <nlohmann/json.hpp>
 
+#include "ingest/files/json_file.h"
 #include "tools/web/page_words.h"
 #include "tools/web/web_page.h"
 
 namespace tessera {
-namespace {
 
 using nlohmann::json;
 
-std::string text_of(const json& data, int indent) {
-  return data.dump(indent, ' ', false, json::error_handler_t::replace);
-}
-
-}  // namespace
-
 std::string report_text(const json& report) {
-  return text_of(report, 1) + "\n";
+  return json_text(report, 1) + "\n";
 }
 
 std::string filled_report_page(const json& report) {
-  std::string data = text_of(report, -1);
+  std::string data = json_text(report, -1);
   for (size_t i = data.find('<'); i != std::string::npos; i = data.find('<', i))
     data.replace(i, 1, "\\u003c");  // what it has is text, not the end of its element
   std::string page(report_page());

@@ -149,7 +149,7 @@ ReportedRun reported(const RunPlaces& places, const fs::path& report, const fs::
   json note;
   try {
     views.emplace(places.run.root, request.backend);
-    if (records.metrics.is_null()) records.metrics = views->scores(request.score_windows);
+    if (records.metrics.is_null()) records.metrics = views->scores();
   } catch (const InputError& error) {
     note = error.what();
   }

@@ -17,8 +17,7 @@ struct RunReportRequest {
   std::filesystem::path out;  // of one run alone it may be empty: report/ in it
   /// Called where there is a model whose views can be rendered.
   std::function<std::unique_ptr<Backend>()> backend;
-  WindowsScorer score_windows{};  // called for a clip in windows without metrics.json
-  bool overwrite = false;         // the folder may have contents that no report has written
+  bool overwrite = false;  // the folder may have contents that no report has written
 };
 
 /// Whether the folder holds a run, as for `runs` of a request.

@@ -12,18 +12,18 @@
 
 #include "ingest/camera_table_text.h"
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
 #include "ingest/ingest.h"
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/seconds_since.h"
-#include "recon4d/model/model_file.h"
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
-#include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/run_record.h"
 #include "tools/cli/training_terminal.h"
+#include "tools/clip/clip_scores.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_outputs.h"
@@ -42,7 +42,6 @@
 #include "tools/windows/cut_for_run.h"
 #include "tools/windows/train_windows.h"
 #include "tools/windows/windows_result.h"
-#include "tools/windows/windows_scores.h"
 
 namespace tessera {
 namespace {
@@ -232,26 +231,10 @@ class Runner {
   bool evaluate_model() {
     return stages_.done(kEvaluate, of_training({}), run_.metrics(), [&] {
       const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
-      const json scores = windows_ > 1
-                              ? score_windows(*backend, WindowsFolder{run_.root}, kHeldOutSplits)
-                              : scores_of_model(*backend);
-      write_text_file(run_.metrics(), scores.dump(2));
+      const json scores = score_clip(*backend, load_clip(run_.root), scene_, kHeldOutSplits);
+      write_text_file(run_.metrics(), json_text(scores, 2));
       return std::optional(scores);
     });
-  }
-
-  json scores_of_model(Backend& backend) const {
-    const GaussianModel model = load_model(run_.model());
-    const Scene scene = scaled_scene(
-        scene_for(model, run_.root, scene_, {.pixels_of = kHeldOutSplits}), model.train_scale);
-    ProgressBar bar("evaluate");
-    return score_splits(backend, model, scene, held_out_splits(scene),
-                        int64_t(fs::file_size(run_.model())),
-                        [&](const Frame&, const RenderedImage&, const ViewScore& view, int64_t done,
-                            int64_t total) {
-                          stop_if_interrupted();
-                          bar.update(done, total, fmt::format("{:.2f} dB", view.psnr));
-                        });
   }
 
   /// Inputs of a stage that is made of the model.

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace tessera {
 namespace {
@@ -49,22 +50,25 @@ std::vector<Split> held_out_splits(const Scene& scene) {
   return splits;
 }
 
-nlohmann::json score_splits(Backend& backend, const GaussianModel& model, const Scene& scene,
-                            const std::vector<Split>& splits, std::optional<int64_t> bytes,
-                            const ScoredCallback& scored, const EvaluateOptions& options) {
-  nlohmann::json result = nlohmann::json::object(), all = nlohmann::json::object();
-  for (Split split : splits) {
-    EvaluationReport report = evaluate(backend, model, scene, split, options, scored);
-    report.bytes = bytes;
-    const nlohmann::json scores = to_json(report, model);
+json by_split(const std::vector<Split>& splits, const std::function<json(Split)>& scores_of) {
+  json result = json::object(), all = json::object();
+  for (const Split split : splits) {
+    json scores = scores_of(split);
+    if (scores.is_null()) continue;
     if (all.empty()) result = scores;
-    all[name_of(split)] = scores;
+    all[name_of(split)] = std::move(scores);
   }
-  if (!all.empty()) result["splits"] = all;
+  if (!all.empty()) result["splits"] = std::move(all);
   return result;
 }
 
-using nlohmann::json;
+json score_splits(Backend& backend, const GaussianModel& model, const Scene& scene,
+                  const std::vector<Split>& splits, const ScoredCallback& scored,
+                  const EvaluateOptions& options) {
+  return by_split(splits, [&](Split split) {
+    return to_json(evaluate(backend, model, scene, split, options, scored), model);
+  });
+}
 
 std::string number_text(const json& value, int digits) {
   return value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), digits) : "n/a";

@@ -2,8 +2,8 @@
 // `evaluate`, `train` and `run` share, and their mean and standard deviation over several runs.
 // recon4d/evaluation/evaluate.h computes the metrics.
 #pragma once
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,11 +15,15 @@ namespace tessera {
 std::vector<Split> held_out_splits(const Scene& scene);
 inline const std::vector<Split> kHeldOutSplits{Split::kTest, Split::kVal};
 
-/// The first split's scores at the top level (psnr, ssim, …, per_view) and all under `splits`.
-/// Empty object when `splits` is empty.
+/// The first split's scores at the top level (psnr, ssim, …, per_view) and all under `splits`;
+/// splits without scores (null) are left out. Empty object when none has any.
+nlohmann::json by_split(const std::vector<Split>& splits,
+                        const std::function<nlohmann::json(Split)>& scores_of);
+
+/// Such scores of a model on a scene that is loaded. clip_scores.h has those of a file.
 nlohmann::json score_splits(Backend& backend, const GaussianModel& model, const Scene& scene,
-                            const std::vector<Split>& splits, std::optional<int64_t> bytes,
-                            const ScoredCallback& scored = {}, const EvaluateOptions& options = {});
+                            const std::vector<Split>& splits, const ScoredCallback& scored = {},
+                            const EvaluateOptions& options = {});
 
 /// PSNR and SSIM alone, for scores during a training.
 inline EvaluateOptions brief_scores() {

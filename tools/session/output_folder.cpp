@@ -106,7 +106,7 @@ void OutputFolder::write_manifest(const fs::path& file, bool complete) const {
   if (!complete) files.insert(files.end(), earlier_.begin(), earlier_.end());
   const nlohmann::ordered_json manifest{
       {"written_by", "tessera " + command_}, {"complete", complete}, {"files", files}};
-  write_text_file(file, manifest.dump(1) + "\n");
+  write_text_file(file, json_text(manifest, 1) + "\n");
 }
 
 }  // namespace tessera

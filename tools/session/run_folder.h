@@ -50,25 +50,4 @@ struct RunFolder {
 /// `path` as it is.
 std::filesystem::path run_folder_of(const std::filesystem::path& path);
 
-/// `scene` of the run folder `run`, which was moved with it: the scene in the OUT of `tessera run`,
-/// of its run, of the windows of a clip in that run, or of the static set of these. "" where none
-/// lies there.
-std::string moved_scene(const std::filesystem::path& run, const std::filesystem::path& scene);
-
-/// The scene that a model was trained on: `model` is a run folder, an OUT of `tessera run`, or lies
-/// in a run folder. Of the scene that config.json names, the scene in OUT (which was moved with the
-/// run) and `others` the first that is as it was trained on, else the first that is there; "" where
-/// none is.
-std::string scene_of_model(const std::filesystem::path& model,
-                           const std::vector<std::filesystem::path>& others = {});
-
-/// A line where `scene`, which is not "", is not as that model was trained on: it may hold out
-/// other cameras. "" else.
-std::string changed_scene(const std::filesystem::path& model, const std::string& scene);
-
-/// The core of the window that such a model was trained on, where `scene` is its scene, by place or
-/// by content.
-std::optional<Window> core_of_model(const std::filesystem::path& model,
-                                    const std::filesystem::path& scene);
-
 }  // namespace tessera

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_file.h"
 
@@ -21,7 +22,7 @@ void RunWriter::warn(const std::string& warning) {
 
 void RunWriter::replace_previous_run(const nlohmann::json& config) {
   AtomicFile file(folder_.config());
-  file.write(config.dump(2));
+  file.write(json_text(config, 2));
   file.sync();
   folder_.remove_files();
   file.commit();
@@ -52,7 +53,7 @@ void RunWriter::write_checkpoint(const TrainState& state, const TrainOptions& op
     save_model(folder_.best(best), *validation.best());
     best_ = best;
   }
-  save_checkpoint(folder_.checkpoint(), state, options, config.dump(), validation.record());
+  save_checkpoint(folder_.checkpoint(), state, options, json_text(config), validation.record());
   folder_.remove_best_but(best);
 }
 

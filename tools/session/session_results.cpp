@@ -106,7 +106,7 @@ bool SessionScores::score(Backend& backend, const Scene& scene, const ScoredMode
                           SessionObserver& observer) {
   try {
     last_ = score_splits(
-        backend, scored.model, scene, held_out_splits(scene), std::nullopt,
+        backend, scored.model, scene, held_out_splits(scene),
         [&](const Frame&, const RenderedImage&, const ViewScore&, int64_t, int64_t) {
           if (stop()) throw Stopped();
         },

@@ -17,6 +17,7 @@
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/frame_cache.h"
 #include "recon4d/training/scene_scale.h"
+#include "tools/session/model_scene.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {

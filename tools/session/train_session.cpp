@@ -9,6 +9,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/folders.h"
+#include "ingest/files/json_file.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"
@@ -269,7 +270,7 @@ class Session {
     const ExposureState& exposure = trainer_->state().exposure;
     if (exposure.rows() > 0)
       write_text_file(writer_.folder().exposure(),
-                      exposure_json(trainer_->exposed(), exposure, options()).dump(2));
+                      json_text(exposure_json(trainer_->exposed(), exposure, options()), 2));
   }
 
   /// A limit that every call reaches before its first step would be resumed for ever.

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
 
 namespace tessera {
 
@@ -30,8 +31,7 @@ TrainingLog::TrainingLog(const std::filesystem::path& path, int64_t total, int64
 
 void TrainingLog::event(const std::string& name, nlohmann::json fields) {
   fields["event"] = name;
-  constexpr auto kReplaceInvalid = nlohmann::json::error_handler_t::replace;  // of paths
-  const std::string line = fields.dump(-1, ' ', false, kReplaceInvalid) + "\n";
+  const std::string line = json_text(fields) + "\n";
   if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() ||
       std::fflush(file_.get()) != 0)
     fail_to_write(path_, errno);

@@ -11,7 +11,6 @@
 #include "ingest/files/folders.h"
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
-#include "recon4d/model/model_file.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {
@@ -116,7 +115,7 @@ void WindowsFolder::write(const WindowsPlan& plan) const {
     window["folder"] = window_run(int64_t(i)).lexically_relative(root).string();
     file["windows"].push_back(std::move(window));
   }
-  write_text_file(plan_file(), file.dump(1) + "\n");
+  write_text_file(plan_file(), json_text(file, 1) + "\n");
 }
 
 bool WindowsFolder::is_finished(const fs::path& run) {
@@ -131,16 +130,6 @@ std::vector<int64_t> WindowsFolder::missing(const WindowsPlan& plan) const {
   return missing;
 }
 
-fs::path scene_of_windows(const WindowsFolder& folder, const WindowsPlan& plan) {
-  const std::string scene =
-      scene_of_model(folder.window_run(0), {plan.scene, moved_scene(folder.root, plan.scene)});
-  if (!scene.empty()) return scene;
-  throw InputError(fmt::format(
-      "{}: its scene {} is gone; put it back there, or repeat the training with where it is now, "
-      "which trains nothing again",
-      folder.plan_file().string(), plan.scene));
-}
-
 void require_all_windows(const WindowsFolder& folder, const WindowsPlan& plan) {
   const std::vector<int64_t> missing = folder.missing(plan);
   if (missing.empty()) return;
@@ -148,26 +137,6 @@ void require_all_windows(const WindowsFolder& folder, const WindowsPlan& plan) {
       "{}: {} of {} windows are not trained yet, the first of them is window {}; repeat the "
       "command that trains them",
       folder.root.string(), missing.size(), plan.windows.size(), missing.front()));
-}
-
-ClipModels clip_with_head(WindowModels windows, const TimeAxis& axis) {
-  ClipModels clip;
-  clip.windows = std::move(windows);
-  for (int i = 0; i < int(clip.windows.windows.size()) && (i == 0 || !clip.head.moves()); ++i) {
-    clip.head = clip.windows.load(i);
-    clip.head_window = i;
-  }
-  clip.head.time_axis = axis;
-  return clip;
-}
-
-ClipModels clip_models(const WindowsFolder& folder) {
-  const WindowsPlan plan = folder.read();
-  require_all_windows(folder, plan);
-  WindowModels windows{plan.windows, [folder](int index) {
-                         return load_model(RunFolder{folder.window_run(index)}.model());
-                       }};
-  return clip_with_head(std::move(windows), plan.clip);
 }
 
 WindowsFolder windows_folder_of(const fs::path& path) {

@@ -47,29 +47,8 @@ struct WindowsFolder {
   std::vector<int64_t> missing(const WindowsPlan& plan) const;
 };
 
-/// The scene of a plan, as scene_of_model: where it is gone, e.g. because OUT was moved, that in
-/// OUT. Errors: InputError: none is there.
-std::filesystem::path scene_of_windows(const WindowsFolder& folder, const WindowsPlan& plan);
-
 /// Errors: InputError naming windows whose training is not complete, and the command that goes on.
 void require_all_windows(const WindowsFolder& folder, const WindowsPlan& plan);
-
-/// A clip whose windows are all trained.
-struct ClipModels {
-  WindowModels windows;
-  /// The rules, the world and the time axis of the clip, with the Gaussians of a window: of the
-  /// first in which something moves, where there is one.
-  GaussianModel head;
-  int head_window = 0;
-  int64_t bytes = 0;  // of a file; 0 of a folder
-};
-
-/// Errors: InputError: as WindowsFolder::read and require_all_windows; as load_model, at once or
-/// when a window is loaded.
-ClipModels clip_models(const WindowsFolder& folder);
-
-/// Of windows of any origin: the head is loaded, no other window.
-ClipModels clip_with_head(WindowModels windows, const TimeAxis& clip);
 
 /// The folder of windows that `path` means: itself, or the one inside where it is an OUT of
 /// `tessera run`. Its `exists()` is false where there is none.

@@ -14,6 +14,7 @@
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/backend_options.h"
+#include "tools/cli/background_program.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/run_record.h"
 #include "tools/cli/stage_ledger.h"
@@ -48,7 +49,7 @@ class WindowsTraining {
   explicit WindowsTraining(const WindowsRequest& request)
       : request_(request),
         folder_{fs::absolute(request.root)},
-        jobs_{folder_.root, fs::read_symlink("/proc/self/exe")},
+        jobs_{folder_.root, this_program()},
         planned_(resolve_options(request.arguments, request.scene)) {}
 
   json run() {
@@ -225,11 +226,7 @@ class WindowsTraining {
       if (!bar_) bar_.emplace("windows");
       bar_->update(ended_, request_.count + 2, last_line(jobs_.log(running.front())));
     };
-    observer.signal = [this] {
-      return interrupted() ? stop_code() == kExitInterrupted ? SIGINT : SIGTERM
-             : is_over()   ? SIGTERM
-                           : 0;
-    };
+    observer.signal = [this] { return is_over() && !interrupted() ? SIGTERM : stop_signal(); };
     return observer;
   }
 

@@ -1,5 +1,5 @@
 // Lists are joined, and means are taken again over all that is in them.
-#include "tools/windows/joined_report.h"
+#include "tools/clip/joined_report.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -35,7 +35,15 @@ std::optional<double> mean_of(const std::optional<double>& a, double a_weight,
 
 void JoinedReport::add(EvaluationReport part, double origin, double length) {
   const auto in_clip = [&](double& time) { time = origin + length * time; };
+  if (++parts_ == 1) whole_ = part;
   all_.split = part.split;
+  if (part.moving) {
+    if (!all_.moving) all_.moving.emplace();
+    all_.moving->weight += part.moving->weight;
+    all_.moving->weight_inside += part.moving->weight_inside;
+    all_.moving->moving_pixels += part.moving->moving_pixels;
+    all_.moving->covered_pixels += part.moving->covered_pixels;
+  }
   for (ViewScore& view : part.views) {
     in_clip(view.time);
     all_.views.push_back(std::move(view));
@@ -70,6 +78,7 @@ void JoinedReport::add(EvaluationReport part, double origin, double length) {
 }
 
 EvaluationReport JoinedReport::finish() {
+  if (parts_ == 1) return std::move(whole_);
   for (auto& [name, object] : objects_) {
     object.psnr = psnr_over(object.timesteps);
     all_.objects.push_back(std::move(object));

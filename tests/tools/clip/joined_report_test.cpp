@@ -1,5 +1,5 @@
 // Scores of a clip from those of its windows, and how wrong images change across their borders.
-#include "tools/windows/joined_report.h"
+#include "tools/clip/joined_report.h"
 
 #include <gtest/gtest.h>
 
@@ -109,6 +109,24 @@ TEST(JoinedScores, AreThoseOfTheWholeClip) {
   }
   ASSERT_EQ(report.flicker.size(), whole.flicker.size());
   EXPECT_EQ(report.flicker[0].timesteps, 5);
+}
+
+// Bugs put back, each seen to fail: colour fits of the only window left out; what moves of the last
+// window alone.
+TEST(JoinedScores, OfOneWindowAreItsOwnAndMovingPixelsAddUp) {
+  EvaluationReport part;
+  part.colour_fit.emplace_back();
+  part.moving = MovingRegionScore{8, 4, 10, 5};
+  JoinedReport joined;
+  joined.add(part, 0, 1);
+  JoinedReport two = joined;
+  EXPECT_EQ(joined.finish().colour_fit.size(), 1u);
+  part.moving = MovingRegionScore{2, 1, 30, 25};
+  two.add(part, 0.5, 0.5);
+  const EvaluationReport all = two.finish();
+  EXPECT_TRUE(all.colour_fit.empty());
+  EXPECT_DOUBLE_EQ(all.moving->dynamic_weight_inside().value(), 0.5);
+  EXPECT_DOUBLE_EQ(all.moving->moving_pixels_covered().value(), 0.75);
 }
 
 // Bug put back: one pair of timesteps more for each border; seen to fail.
