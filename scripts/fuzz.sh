@@ -11,7 +11,7 @@ executions=${1:-20000}
 shift || true
 readers=("$@")
 if [ ${#readers[@]} -eq 0 ]; then
-  readers=(ply png sog splat spz model tessera4d transforms calibration view)
+  readers=(ply png sog splat spz model tessera4d transforms calibration profile view)
 fi
 build=build/fuzz
 compiler=$(compgen -c clang++- | grep -E '^clang\+\+-[0-9]+$' | sort -V | head -1)

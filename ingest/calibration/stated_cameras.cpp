@@ -9,6 +9,7 @@
 #include "ingest/calibration/unused_calibration.h"
 #include "ingest/calibration/view_matching.h"
 #include "ingest/colmap/colmap_model.h"
+#include "ingest/images/image_names.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
@@ -18,6 +19,18 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRowFile = "poses_bounds.npy";
+
+/// Whether numbers at the end of names ascend as the names do.
+bool counts_as_sorted(const std::vector<std::string>& names) {
+  std::optional<NumberedName> before;
+  for (const std::string& name : names) {
+    const auto now = parse_stem(name);
+    if (now && before && now->camera == before->camera && now->number < before->number)
+      return false;
+    before = now;
+  }
+  return true;
+}
 
 /// Errors: InputError: no clip has a camera.
 StatedCameras matched(Calibration calibration, const std::vector<std::string>& clips,
@@ -33,6 +46,11 @@ StatedCameras matched(Calibration calibration, const std::vector<std::string>& c
           calibration.path.string(), calibration.cameras.size(), clips.size(),
           listed_names(clips)));
     for (size_t i = 0; i < clips.size(); ++i) match.camera.emplace_back(i);
+    if (!counts_as_sorted(clips))
+      warnings.push_back(fmt::format(
+          "{}: its rows are taken in the order of letters, {}, which is not that of their numbers; "
+          "if the rows are in that of the numbers, call the cameras 01, 02 … with as many digits",
+          calibration.path.string(), listed_names(clips)));
   } else {
     match = match_views(calibration.cameras, clips);
   }
@@ -66,9 +84,22 @@ StatedCameras matched(Calibration calibration, const std::vector<std::string>& c
   return stated;
 }
 
+/// The model in the first of the folders of timesteps, which have one each.
+std::vector<fs::path> first_of_timesteps(const fs::path& capture) {
+  std::vector<fs::path> folders, found;
+  std::error_code unreachable;
+  for (const auto& entry : fs::directory_iterator(capture, unreachable))
+    if (entry.is_directory(unreachable)) folders.push_back(entry.path());
+  std::sort(folders.begin(), folders.end());
+  for (const fs::path& folder : folders)
+    if (found.empty()) found = colmap_models_in(folder);
+  return found;
+}
+
 /// What may be read without being named, the first before the others.
 std::vector<fs::path> candidates_in(const fs::path& capture, bool models_only) {
   std::vector<fs::path> found = colmap_models_in(capture);
+  if (found.empty()) found = first_of_timesteps(capture);
   if (models_only) return found;
   if (const fs::path pair = find_easymocap(capture).intri; !pair.empty()) found.push_back(pair);
   return found;

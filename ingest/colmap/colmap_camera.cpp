@@ -57,10 +57,11 @@ std::vector<std::string> names_of(const char* parameters) {
   std::string known;
   for (const ColmapCameraModel& model : kModels)
     known += fmt::format("{}{} {}", known.empty() ? "" : ", ", model.number, model.name);
-  throw InputError(
-      fmt::format("{}: camera model {} is unknown, expected one of {}; run `colmap "
-                  "image_undistorter` and use its result",
-                  where, seen, known));
+  throw InputError(fmt::format(
+      "{}: camera model {} is unknown, expected one of {}; run `colmap "
+      "image_undistorter` of the version that wrote it (3.12 for 11 and more) and use its "
+      "result",
+      where, seen, known));
 }
 
 void put(ColmapCamera& camera, const std::string& name, double value) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/colmap/colmap_workspace.h"
@@ -10,6 +11,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
 #include "ingest/images/image_paths.h"
+#include "ingest/images/image_source.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -34,6 +36,23 @@ std::vector<std::string> names_of(const std::vector<std::filesystem::path>& file
   std::vector<std::string> names;
   for (const auto& file : files) names.push_back(file.filename().string());
   return names;
+}
+
+/// Whether most pixels of images that are spread over all keep their colour.
+bool stands_still(const std::vector<std::filesystem::path>& files) {
+  constexpr size_t kImages = 5;
+  constexpr int kAlike = 8;  // levels
+  std::vector<Image8> images;
+  for (size_t i = 0; i < std::min(kImages, files.size()); ++i)
+    images.push_back(read_image(files[i * files.size() / std::min(kImages, files.size())]));
+  size_t still = 0;
+  const size_t bytes = images.front().data.size();
+  for (size_t b = 0; b < bytes; ++b)
+    still += std::all_of(images.begin(), images.end(), [&](const Image8& image) {
+      return image.data.size() == bytes &&
+             std::abs(image.data[b] - images.front().data[b]) <= kAlike;
+    });
+  return 2 * still > bytes;
 }
 
 }  // namespace
@@ -82,6 +101,11 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bo
                  "colmap: registering images", "Registering image", int64_t(files.size()),
                  kMoreImages);
     } catch (const ColmapFailure& failure) {
+      if (in_order && stands_still(files))
+        throw InputError(fmt::format(
+            "{}: the camera does not move, and one camera that stands still shows no depth; film "
+            "with two cameras or more, or move this one",
+            images.string()));
       failure.rethrow(names_of(files), kMoreImages);
     }
   }

@@ -1,6 +1,6 @@
-// Reads PNG through ingest/files/png.h and other formats through OpenImageIO. Colour profiles are
-// ignored: integers are sRGB, floats are linear with sRGB primaries. Source of the transfer curve:
-// IEC 61966-2-1.
+// Reads PNG through ingest/files/png.h and other formats through OpenImageIO. Integers are sRGB
+// unless a profile says otherwise, floats are linear with sRGB primaries. Source of the transfer
+// curve: IEC 61966-2-1.
 #include "ingest/images/image_source.h"
 
 #include <OpenImageIO/imageio.h>
@@ -11,8 +11,10 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
+#include "ingest/images/colour_profile.h"
 #include "ingest/poses/intrinsics.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/lower_case.h"
 
 namespace tessera {
 namespace {
@@ -110,7 +112,8 @@ void refuse_damage(const path& file, OIIO::ImageInput& input, bool read) {
                   file.string(), line.empty() ? "no reason given" : line));
 }
 
-SourceImage read_through_oiio(const path& file) {
+/// `colour` becomes that of a profile in other formats than PNG and JPEG.
+SourceImage read_through_oiio(const path& file, StatedColour& colour) {
   OIIO::ImageSpec wishes;
   wishes.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(file.string(), &wishes);
@@ -120,6 +123,9 @@ SourceImage read_through_oiio(const path& file) {
   }
   const OIIO::ImageSpec& spec = input->spec();
   check_spec(file, spec);
+  if (const auto* icc = spec.find_attribute("ICCProfile");
+      icc != nullptr && !colour.profile && colour.unknown.empty())
+    colour = colour_of_icc({static_cast<const char*>(icc->data()), size_t(icc->datasize())});
   SourceImage source{{spec.width, spec.height, spec.nchannels, {}},
                      std::clamp(spec.get_int_attribute("Orientation", 1), 1, 8),
                      spec.format.is_floating_point()};
@@ -150,10 +156,22 @@ SourceImage read_source_image(const path& file) {
     throw InputError(fmt::format(
         "{}: is an empty file, expected an image; copy it again or take it out of the capture",
         file.string()));
-  if (bytes.starts_with("\x89PNG") || file.extension() == ".png" || file.extension() == ".PNG")
-    if (!bytes.starts_with("\xff\xd8")) return {read_png(file)};  // a JPEG may be called .png
-  refuse_truncated_jpeg(file, bytes);
-  return read_through_oiio(file);
+  const bool is_png =
+      bytes.starts_with("\x89PNG") || lower_case(file.extension().string()) == ".png";
+  StatedColour colour = colour_of_file(bytes);
+  SourceImage source;
+  if (is_png && !bytes.starts_with("\xff\xd8")) {  // a JPEG may be called .png
+    source.image = read_png(file);
+  } else {
+    refuse_truncated_jpeg(file, bytes);
+    source = read_through_oiio(file, colour);
+  }
+  if (colour.profile && !source.tone_mapped) {
+    convert_to_srgb(*colour.profile, source.image);
+    source.converted = colour.profile->name;
+  }
+  source.unconverted = colour.unknown;
+  return source;
 }
 
 Image8 read_image(const path& file) {

@@ -12,15 +12,18 @@ inline constexpr const char* kToneMap = "clamp to [0, 1], sRGB transfer curve";
 
 struct SourceImage {
   Image8 image;
-  int orientation = 1;       // EXIF, 1 to 8: how a viewer would turn it; 1 by default
-  bool tone_mapped = false;  // it was linear: floating-point pixels (EXR, TIFF)
+  int orientation = 1;        // EXIF, 1 to 8: how a viewer would turn it; 1 by default
+  bool tone_mapped = false;   // it was linear: floating-point pixels (EXR, TIFF)
+  std::string converted{};    // the colour profile that its values had; empty: sRGB
+  std::string unconverted{};  // a profile of a kind that is not converted
 };
 
-/// Grey, RGB or RGBA with alpha not premultiplied. Integers are sRGB as stored, 16 bit is reduced
-/// with rounding; floating-point pixels are linear and go through kToneMap: c → clamp(c, 0, 1),
-/// then 12.92 c up to 0.0031308 and 1.055 c^(1/2.4) − 0.055 above; alpha has no curve. The format
-/// is that of the file's first bytes where these are known. Errors: InputError naming the file:
-/// unreadable, truncated, damaged, CMYK, two or more than four channels.
+/// Grey, RGB or RGBA with alpha not premultiplied. Integers are sRGB, converted from a profile of
+/// another colour space (Display P3, Adobe RGB), 16 bit is reduced with rounding; floating-point
+/// pixels are linear and go through kToneMap: c → clamp(c, 0, 1), then 12.92 c up to 0.0031308
+/// and 1.055 c^(1/2.4) − 0.055 above; alpha has no curve. The format is that of the file's first
+/// bytes where these are known. Errors: InputError naming the file: unreadable, truncated, damaged,
+/// CMYK, two or more than four channels.
 SourceImage read_source_image(const std::filesystem::path& path);
 
 /// The pixels alone.

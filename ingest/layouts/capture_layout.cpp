@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "ingest/calibration/model_photos.h"
 #include "ingest/colmap/colmap_model.h"
@@ -90,6 +91,17 @@ bool has_posed_photos(const fs::path& capture, std::optional<ImageLayout> image_
   return names_photos(model, folders);
 }
 
+/// Whether there are videos that are not each the film of a photo of its name, as phones keep it.
+bool has_clips(const fs::path& capture) {
+  const std::vector<fs::path> videos = videos_in(capture);
+  if (videos.empty()) return false;
+  std::set<std::string> photos;
+  for (const fs::path& image : images_in(capture)) photos.insert(image.stem().string());
+  return !std::all_of(videos.begin(), videos.end(), [&](const fs::path& video) {
+    return photos.contains(video.stem().string());
+  });
+}
+
 /// Whether the sub-folders are cameras with a video each. Errors: AmbiguousCapture.
 bool has_video_rig(const fs::path& capture) {
   const VideoFolders found = find_video_folders(capture);
@@ -153,7 +165,7 @@ CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageLayout> 
     return is_stated_video_rig(capture, image_layout) ? CaptureLayout::kVideos
                                                       : CaptureLayout::kSequences;
   if (has_transforms(capture)) return CaptureLayout::kTransforms;
-  const bool has_videos = !videos_in(capture).empty();
+  const bool has_videos = has_clips(capture);
   if (has_videos && fs::exists(capture / "poses_bounds.npy")) return CaptureLayout::kN3dv;
   if (has_posed_photos(capture, image_layout)) return CaptureLayout::kColmap;
   if (!has_videos && has_image_rig(capture, image_layout)) return CaptureLayout::kSequences;

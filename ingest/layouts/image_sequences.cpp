@@ -10,6 +10,7 @@
 #include "ingest/calibration/model_photos.h"
 #include "ingest/images/image_names.h"
 #include "ingest/images/image_paths.h"
+#include "ingest/layouts/camera_folders.h"
 #include "ingest/layouts/name_times.h"
 #include "ingest/prepared/transforms_json.h"
 #include "ingest/test_views.h"
@@ -101,8 +102,8 @@ std::vector<ImageSequence> sequences_by_folder(const fs::path& folder) {
   std::vector<ImageSequence> cameras;
   for (const fs::path& candidate : folders_in(folder)) {
     if (is_posed_capture(candidate)) continue;
-    const fs::path inner = candidate / "images";
-    const fs::path place = fs::is_directory(inner) ? inner : candidate;
+    const fs::path place = images_of_camera(candidate);
+    if (place.empty()) continue;
     NamedSequences found = named_sequences(place);
     if (found.cameras.size() != 1) continue;
     ImageSequence& first = found.cameras.begin()->second;
@@ -227,17 +228,23 @@ ImageSequences find_image_sequences(const fs::path& capture) {
       }))
     return {};  // images_4 and the like: a photo set
   ImageSequences best;
-  for (const fs::path& folder :
-       {capture, capture / "images", capture / "ims", capture / "frames", capture / "rgb"}) {
-    if (!fs::is_directory(folder)) continue;
+  size_t rigs = 0;  // in folders of other names
+  for (const fs::path& folder : parents_of_cameras(capture)) {
+    if (best.evidence == RigEvidence::kRig && rigs == 0) break;
+    const bool is_below = folder != capture && folder != capture / "images";
+    if (is_below && is_posed_capture(folder)) continue;
     std::vector<ImageSequence> cameras = sequences_by_folder(folder);
     std::vector<fs::path> others;
     keep_cameras(cameras, others);
     ImageSequences found = judged(std::move(cameras), true);
     found.unread = std::move(others);
+    if (is_below && found.evidence != RigEvidence::kRig) continue;
+    if (is_below) ++rigs;
     if (found.evidence > best.evidence || best.cameras.empty()) best = std::move(found);
   }
-  return best;
+  if (best.evidence == RigEvidence::kRig) return rigs > 1 ? ImageSequences{} : best;
+  ImageSequences by_time = judged(sequences_of_timesteps(capture), true);
+  return by_time.evidence == RigEvidence::kRig ? by_time : best;
 }
 
 std::string reading_text(size_t cameras, const std::string& times, double rate) {

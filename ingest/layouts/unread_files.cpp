@@ -140,8 +140,9 @@ std::string unused_masks(const fs::path& capture) {
 }
 
 std::string with_unread_files(std::string error, const fs::path& capture) {
-  for (const std::string& line : other_media_lines(capture, list_files(capture)))
-    error += "; " + line;
+  const std::vector<ListedFile> files = list_files(capture);
+  for (const auto& lines : {other_media_lines(capture, files), table_lines(capture, files, true)})
+    for (const std::string& line : lines) error += "; " + line;
   return error;
 }
 

@@ -77,19 +77,19 @@ StatedIntrinsics intrinsics_of(const StatedObject& object) {
 }
 
 void refuse_distortion(const StatedObject& object) {
-  constexpr const char* kRemedy =
+  constexpr const char* kPrepare =
       "run `tessera ingest`, which undistorts the images, and open its result";
   for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"})
     if (const auto value = object.number(key); value.value_or(0) != 0)
       throw InputError(
           fmt::format("{}: lens distortion {} = {} is not supported, expected "
                       "pinhole images; {}",
-                      object.where(), key, *value, kRemedy));
+                      object.where(), key, *value, kPrepare));
   const bool fisheye = object.text("camera_model").find("FISHEYE") != std::string::npos;
   if (object.is_true("is_fisheye") || fisheye)
     throw InputError(
         fmt::format("{}: fisheye cameras are not supported, expected pinhole images; {}",
-                    object.where(), kRemedy));
+                    object.where(), kPrepare));
 }
 
 PoseRows pose_rows(const StatedObject& frame, const char* key) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "ingest/images/image_source.h"
@@ -20,6 +21,24 @@ void erase_cameras_without_frames(Capture& capture) {
                 [&](const CaptureCamera& camera) { return !used.contains(camera.name); });
 }
 
+bool is_transparent(const Image8& image) {
+  if (image.channels != 4) return false;
+  for (size_t i = 3; i < image.data.size(); i += 4)
+    if (image.data[i] != 0) return false;
+  return true;
+}
+
+/// "12 of Display P3, 3 of Adobe RGB"; "" where no image has one.
+std::string profiles_text(const std::vector<std::string>& names) {
+  std::map<std::string, int64_t> counts;
+  for (const std::string& name : names)
+    if (!name.empty()) ++counts[name];
+  std::string text;
+  for (const auto& [name, count] : counts)
+    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", count, name);
+  return text;
+}
+
 }  // namespace
 
 std::optional<Image8> ImageIntake::read(size_t index, const std::filesystem::path& file, int width,
@@ -28,6 +47,9 @@ std::optional<Image8> ImageIntake::read(size_t index, const std::filesystem::pat
     SourceImage source = read_source_image(file);
     if (source.tone_mapped) tone_mapped_ = true;
     if (source.image.channels == 4) had_alpha_ = true;
+    converted_[index] = source.converted;
+    unconverted_[index] = source.unconverted;
+    is_empty_[index] = is_transparent(source.image);
     if (width == 0 || height == 0) {
       width = source.image.width;
       height = source.image.height;
@@ -61,6 +83,25 @@ void ImageIntake::finish(bool strict, Capture& capture) const {
         "{} images have an EXIF rotation that their size does not tell from none; they are taken "
         "as stored, as COLMAP takes them: {}",
         doubtful.size(), listed_names(doubtful)));
+  const auto empty = std::count(is_empty_.begin(), is_empty_.end(), char{1});
+  if (2 * empty > int64_t(is_empty_.size()))
+    throw InputError(fmt::format(
+        "{}: {} of {} images are transparent throughout, so that nothing of them would count; "
+        "write them without alpha, or with that of what is to be seen",
+        capture.folder.string(), empty, is_empty_.size()));
+  if (empty > 0)
+    capture.warnings.push_back(
+        fmt::format("{}: {} images are transparent throughout", capture.folder.string(), empty));
+  if (const std::string text = profiles_text(converted_); !text.empty()) {
+    capture.notes.push_back(fmt::format("{}: colours of images are converted to sRGB: {}",
+                                        capture.folder.string(), text));
+    capture.tone_map = "ICC profile to sRGB";
+  }
+  if (const std::string text = profiles_text(unconverted_); !text.empty())
+    capture.warnings.push_back(
+        fmt::format("{}: colour profiles of a kind that is not read, so that colours are taken as "
+                    "sRGB: {}; convert these images to sRGB",
+                    capture.folder.string(), text));
   capture.frames = std::move(kept);
   erase_cameras_without_frames(capture);
   if (std::none_of(capture.frames.begin(), capture.frames.end(),

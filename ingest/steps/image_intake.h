@@ -15,7 +15,12 @@ namespace tessera {
 /// Member functions of different `index` may be called at once.
 class ImageIntake {
  public:
-  explicit ImageIntake(size_t count) : unreadable_(count), doubtful_(count) {}
+  explicit ImageIntake(size_t count)
+      : unreadable_(count),
+        doubtful_(count),
+        converted_(count),
+        unconverted_(count),
+        is_empty_(count) {}
 
   /// The image in the order of pixels that a camera of width × height describes (0 × 0: as
   /// stored); nothing where it cannot be read.
@@ -23,13 +28,16 @@ class ImageIntake {
                              int height);
 
   /// Takes what was not read out of `capture`, whose frames are in the order of `index`, notes tone
-  /// mapping and alpha in it, and adds a warning for each image left out. Errors: InputError: an
-  /// image was left out and `strict`; none is left, or none to train on.
+  /// mapping, colour profiles and alpha in it, and adds a warning for each image left out. Errors:
+  /// InputError: an image was left out and `strict`; none is left, or none to train on; most are
+  /// transparent.
   void finish(bool strict, Capture& capture) const;
 
  private:
   std::vector<std::string> unreadable_;  // why; empty where it was read
   std::vector<char> doubtful_;           // its EXIF orientation may belong to the pose or not
+  std::vector<std::string> converted_, unconverted_;  // names of colour profiles; empty: sRGB
+  std::vector<char> is_empty_;                        // nothing of it is opaque
   std::atomic<bool> tone_mapped_{false}, had_alpha_{false};
 };
 

@@ -75,7 +75,7 @@ std::vector<std::string> copied_clips(const std::vector<RigClip>& clips) {
 std::string shifted_numbers(const std::vector<RigClip>& clips) {
   std::map<std::vector<int64_t>, std::map<int64_t, std::vector<std::string>>> names;
   for (const RigClip& clip : clips)
-    if (!clip.images.empty())
+    if (!clip.images.empty() && !clip.number_seconds)
       names[pattern_of(clip)][clip.timeline.ticks.front()].push_back(clip.name);
   for (const auto& [pattern, by_first] : names) {
     if (by_first.size() < 2 || pattern.size() < 2) continue;

@@ -4,6 +4,7 @@
 
 extern "C" {
 #include <libavutil/parseutils.h>
+#include <libavutil/pixdesc.h>
 #include <libavutil/timecode.h>
 }
 
@@ -103,6 +104,13 @@ VideoTimeline read_timeline(const std::filesystem::path& path) {
                                             timeline.seconds(timeline.ticks.size() - 1), cut));
   add(gap_warnings(camera, timeline.ticks, timeline.time_base));
   add(duplicate_warnings(camera, repeated, timeline.time_base));
+  const AVPixFmtDescriptor* const pixels =
+      av_pix_fmt_desc_get(AVPixelFormat(file.track().codecpar->format));
+  if (pixels != nullptr && (pixels->flags & AV_PIX_FMT_FLAG_ALPHA) != 0)
+    timeline.warnings.push_back(fmt::format(
+        "{} has alpha, which is not read, so that what lies below it is trained; export its frames "
+        "as PNG, which keep it",
+        camera));
   if (const std::string warning = interlaced_warning(timeline.colour); !warning.empty())
     timeline.warnings.push_back(fmt::format("{} {}", camera, warning));
   return timeline;

@@ -8,6 +8,7 @@
 
 #include "ingest/files/stored_zip.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/lower_case.h"
 #include "recon4d/model/element_edits.h"
 #include "recon4d/options/nearest_name.h"
 #include "static3d/formats/splat_formats.h"
@@ -61,7 +62,7 @@ Reader reader_of(const std::filesystem::path& path, std::string_view head) {
   if (head.starts_with("ply")) return {load_ply_splats, false};
   if (is_spz(head)) return {load_spz, true};
   if (is_zip(head)) return {load_sog, true};
-  if (path.extension() == ".splat") return {load_splat_rows, true};
+  if (lower_case(path.extension().string()) == ".splat") return {load_splat_rows, true};
   return {nullptr, false};
 }
 

@@ -1,4 +1,6 @@
 // Fuzz target: JSON of cameras with K, D, R and T, on arbitrary bytes. See scripts/fuzz.sh.
+#include <nlohmann/json.hpp>
+
 #include "ingest/files/json_file.h"
 #include "ingest/poses/rig_poses_file.h"
 #include "tests/fuzz/hostile_file.h"

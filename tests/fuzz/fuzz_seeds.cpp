@@ -175,6 +175,32 @@ void write_calibrations(const fs::path& folder) {
 "imgsize": [32, 24]})");
 }
 
+/// RGB by a matrix, with each kind of curve: ICC.1 is big-endian.
+void write_profiles(const fs::path& folder) {
+  const auto word = [](uint32_t value) {
+    return std::string{char(value >> 24), char(value >> 16), char(value >> 8), char(value)};
+  };
+  const std::string curves[] = {"curv" + word(0) + word(0), "curv" + word(0) + word(1) + "\2\2",
+                                "curv" + word(0) + word(3) + std::string("\0\0\x40\0\xff\xff", 6),
+                                "para" + word(0) + word(3u << 16) + word(0x26666) + word(0xf2a7) +
+                                    word(0xd59) + word(0x13d0) + word(0xa5b)};
+  for (const std::string& curve : curves) {
+    std::string icc(128, '\0'), data;
+    icc.replace(16, 8, "RGB XYZ ");
+    icc += word(6);
+    for (const char channel : {'r', 'g', 'b'})
+      for (const char* kind : {"XYZ", "TRC"}) {
+        const std::string tag = kind[0] == 'X' ? "XYZ " + word(0) + word(0x8000) + word(0x4000) +
+                                                     word(channel == 'b' ? 0x9000 : 0x1000)
+                                               : curve;
+        icc += channel + std::string(kind) + word(uint32_t(132 + 72 + data.size())) +
+               word(uint32_t(tag.size()));
+        data += tag;
+      }
+    write_text_file(folder / std::to_string(&curve - curves), icc + data);
+  }
+}
+
 void write_requests(const fs::path& folder) {
   const std::string host = "Host: localhost\n",
                     cookie = host + "Cookie: tessera_view_80=0123456789abcdef0123456789abcdef\n";
@@ -186,7 +212,6 @@ void write_requests(const fs::path& folder) {
   const std::string own_page = cookie + "Origin: http://localhost\n";
   write_text_file(folder / "post", "POST /api/run\n" + own_page);
   write_text_file(folder / "stop", "POST /api/stop\n" + own_page);
-  write_text_file(folder / "resume", "POST /api/resume\n" + own_page);
   write_text_file(folder / "state", "GET /api/state a=1&seen=7\n" + cookie);
   write_text_file(folder / "truth", "GET /api/truth view=3\n" + cookie);
   write_text_file(folder / "report", "GET /api/report\n" + cookie);
@@ -205,6 +230,7 @@ int main(int argc, char** argv) {
   write_transforms(folder);
   write_images(folder / "png");
   write_calibrations(folder / "calibration");
+  write_profiles(folder / "profile");
   write_requests(folder / "view");
   return 0;
 }

@@ -202,9 +202,13 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
 
 void require_one_capture(const std::filesystem::path& folder, const IngestOptions& options) {
   if (!is_folder_of_captures(folder, options.image_layout)) return;
+  const bool may_be_rig = find_video_folders(folder).cameras.size() > 1 ||
+                          find_image_sequences(folder).cameras.size() > 1;
   throw InputError(fmt::format(
-      "{}: is no capture, but holds some ({}); name one of them, or all of them to `tessera batch`",
-      folder.string(), listed_names(captures_in(folder, options.image_layout))));
+      "{}: is no capture, but holds some ({}); {}name one of them, or all of them to `tessera "
+      "batch`",
+      folder.string(), listed_names(captures_in(folder, options.image_layout)),
+      may_be_rig ? "if they are the cameras of one scene, pass --layout rig; else " : ""));
 }
 
 nlohmann::json to_json(const IngestOptions& o) {

@@ -156,6 +156,11 @@ TEST(Calibration, LlffRowsGoByTheOrderOfNames) {
                        warnings);
       },
       {"has 2 rows, the capture 1 cameras (x)"});
+  EXPECT_TRUE(warnings.empty());
+  stated_cameras(folder.path(), {PoseSource::kCameras, folder / "p.npy"}, {"cam10", "cam9"}, {},
+                 warnings);
+  ASSERT_EQ(warnings.size(), 1u) << "16.4 dB for 23.0 where the rows count";
+  EXPECT_NE(warnings[0].find("in the order of letters, cam10, cam9"), std::string::npos);
 }
 
 // A camera of the calibration that has no clip may be one that was not found. Bugs put back, each

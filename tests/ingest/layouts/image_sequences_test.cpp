@@ -218,6 +218,49 @@ TEST(ImageSequences, NamesMayBeTimes) {
   }
 }
 
+// Bug put back: the films of photos taken for a rig; seen to fail.
+TEST(ImageSequences, PhotosMayHaveFilms) {
+  const TemporaryFolder folder;
+  write_names(folder.path(), "IMG_{t:04}.JPG", 1, 5);
+  write_names(folder.path(), "IMG_{t:04}.MOV", 1, 5);
+  EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kPhotos);
+  write_bytes(folder / "IMG_0007.MOV", "");
+  EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kVideos);
+}
+
+// Bugs put back, each seen to fail: five names of folders alone searched; depths taken for a second
+// series of the camera; a folder a timestep is no rig.
+TEST(ImageSequences, FoldersAreCalledAsTheyAre) {
+  for (const char* pattern : {"rgbs/Cam{c:03}/Cam{c:03}_rgb{t:06}.jpg", "day 2/cam{c}/{t:04}.png",
+                              "cam{c:02}/colour/{t:04}.png", "colmap_{t}/images/cam{c:02}.png",
+                              "step{t}/cam{c:02}.png"}) {
+    const TemporaryFolder folder;
+    write_names(folder.path(), pattern, 3, 5, 1);
+    EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kSequences) << pattern;
+    const ImageSequences found = sequences_of(folder.path(), std::nullopt);
+    ASSERT_EQ(found.cameras.size(), 3u) << pattern;
+    ASSERT_EQ(found.cameras[2].images.size(), 5u) << pattern;
+    EXPECT_EQ(found.cameras[2].images[4].number, 4) << pattern;
+    EXPECT_NE(found.cameras[1].camera.find('2'), std::string::npos) << pattern;
+  }
+  const TemporaryFolder folder;
+  write_names(folder.path(), "cam{c:02}/colour/{t:04}.png", 2, 4);
+  for (const char* camera : {"cam00", "cam01"})
+    for (int t = 0; t < 4; ++t) {
+      const path depth = folder / fmt::format("{}/z/{:04}.png", camera, t);
+      std::filesystem::create_directories(depth.parent_path());
+      write_bytes(depth, std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x10\0", 26));
+    }
+  const ImageSequences found = sequences_of(folder.path(), std::nullopt);
+  ASSERT_EQ(found.cameras.size(), 2u);
+  EXPECT_EQ(found.cameras[0].images[0].file.parent_path().filename(), "colour");
+  const TemporaryFolder two;  // rigs, each a capture
+  write_names(two.path(), "monday/cam{c:02}/{t:04}.png", 3, 5);
+  write_names(two.path(), "friday/cam{c:02}/{t:04}.png", 3, 5);
+  EXPECT_TRUE(find_image_sequences(two.path()).cameras.empty());
+  EXPECT_TRUE(is_folder_of_captures(two.path()));
+}
+
 TEST(ImageSequences, OneSequenceMayBeAVideo) {
   const TemporaryFolder folder;
   write_names(folder / "video", "frame_{t:05}.png", 1, 20);

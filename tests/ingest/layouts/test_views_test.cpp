@@ -27,6 +27,9 @@ TEST(TestViews, NamesMayHaveCommas) {
   const std::vector<Split> splits = held_out_splits_of(cameras, {"left", " top"}, "videos");
   EXPECT_EQ(splits[0], Split::kTrain);
   EXPECT_EQ(splits[1], Split::kTest);
+  for (const Split split : held_out_splits_of(cameras, {"none"}, "videos"))
+    EXPECT_EQ(split, Split::kTrain);
+  EXPECT_EQ(held_out_splits_of({"none", "one"}, {"none"}, "videos")[0], Split::kTest);
 }
 
 // Bug put back: validation frames counted; seen to fail.
