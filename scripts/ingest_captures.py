@@ -7,7 +7,9 @@ makers with their options; BAD has captures and options that `ingest` must refus
 import json
 import math
 import shutil
+import struct
 import subprocess
+import zlib
 
 from capture_files import (FOCAL, HEIGHT, WIDTH, arc, ffmpeg, image, write_cameras, write_mask,
                            write_model, write_ply, write_png, write_poses_bounds, write_transforms,
@@ -229,11 +231,11 @@ def llff(folder):
     write_poses_bounds(folder / "capture" / "poses_bounds.npy", arc(10))
 
 
-def sequences(folder, name="cam%02d/%04d.png", first=0):
+def sequences(folder, name="cam%02d/%04d.png", first=0, fields=lambda i, t: (i, t)):
     capture = folder / "capture"
     for i, camera in enumerate(arc(3)):
         for t in range(first, first + 4):
-            write_png(capture / (name % (i, t)), image(camera, t / 4))
+            write_png(capture / (name % fields(i, t)), image(camera, t / 4))
     write_poses_bounds(capture / "poses_bounds.npy", arc(3))
     names = ["cam%02d" % i for i in range(3)]
     write_cameras(folder / "cameras.json", arc(3), names)
@@ -254,6 +256,53 @@ def sequence_gap(folder):
     sequences(folder)
     (folder / "capture" / "cam01" / "0002.png").unlink()
     (folder / "capture" / "cam02" / "0001.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+
+
+def sequence_times(folder):
+    """Names are nanoseconds since 1970, of each camera a little later than of the one before."""
+    sequences(folder, "cam%02d/%d.png", 0,
+              lambda i, t: (i, 1764000000866666667 + i * 1000 + t * 33333333))
+
+
+def sequence_places(folder):
+    """Colour beside depths, in a folder of another name."""
+    sequences(folder, "day 2/cam%02d/colour/%04d.png")
+    for camera in sorted((folder / "capture" / "day 2").iterdir()):
+        for image_file in sorted((camera / "colour").iterdir()):
+            (camera / "z").mkdir(exist_ok=True)
+            ffmpeg("-i", image_file, "-pix_fmt", "gray16be", camera / "z" / image_file.name)
+
+
+def sequence_timesteps(folder):
+    """A folder a timestep, with a model each, and a lens under a key of another program."""
+    sequences(folder, "step_%02d/images/cam%02d.png", 0, lambda i, t: (t, i))
+    (folder / "capture" / "poses_bounds.npy").unlink()
+    names = ["cam%02d" % i for i in range(3)]
+    for step in sorted((folder / "capture").iterdir()):
+        write_model(step / "sparse" / "0", arc(3), [name + ".png" for name in names])
+    write_cameras(folder / "lens.json", arc(3), names, distCoef=[-0.05, 0.01, 0, 0, 0])
+    write_cameras(folder / "other_lens.json", arc(3), names, radial_fit=[-0.05, 0.01])
+
+
+def films(folder):
+    """Photos with a film each, beside a table that states cameras to another program."""
+    write_photos(folder / "capture")
+    for camera, name in zip(arc(10), PHOTOS):
+        write_video((folder / "capture" / name).with_suffix(".MOV"), [image(camera)] * 3)
+    (folder / "capture" / "export.toml").write_text("[cam]\nmatrix = [[1.0]]\nrotation = [0.0]\n")
+
+
+def gammas(folder):
+    """Linear PNG by gAMA, which is what they state."""
+    names = ["images/" + name for name in PHOTOS]
+    for camera, name in zip(arc(10), names):
+        write_png(folder / "capture" / name, image(camera))
+        path = folder / "capture" / name
+        data = path.read_bytes()
+        chunk = b"gAMA" + struct.pack(">I", 100000)
+        path.write_bytes(data[:33] + struct.pack(">I", 4) + chunk
+                         + struct.pack(">I", zlib.crc32(chunk)) + data[33:])
+    write_transforms(folder / "capture" / "transforms.json", arc(10), names)
 
 
 def rooms(folder):
@@ -339,6 +388,11 @@ CAPTURES = {
                                     "--held-out cam01 --cameras cam00,cam01"),
     sequence_names: without_cloud("", "--frames 2 --keep-world", "--layout rig --fps 25"),
     sequence_gap: without_cloud("", "--strict"),
+    sequence_times: without_cloud(RIG, RIG + " --held-out none --frames 3"),
+    sequence_places: without_cloud(RIG),
+    sequence_timesteps: without_cloud("", "--poses lens.json", "--poses other_lens.json"),
+    films: without_cloud(""),
+    gammas: without_cloud("", "--strict --test-every 4"),
     rooms: without_cloud("", "--layout photos", "--layout rig"),
     photos: without_cloud("", "--camera-model SIMPLE_RADIAL --intrinsics per-camera",
                           "--layout rig", "--poses llff", "--strict --test-every 4 --scale 0.5",
