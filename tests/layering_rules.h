@@ -44,7 +44,7 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
 /// the number in the commit that brings it; a cut lowers it.
 inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13570}, {"ingest", 26510},
                                                          {"recon4d", 12460}, {"static3d", 5865},
-                                                         {"tools", 24105},   {"tests", 58045}};
+                                                         {"tools", 24120},   {"tests", 58045}};
 
 /// Where CUDA may be used; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",

@@ -190,6 +190,8 @@ void watch_training(LiveWatch& watch, ViewState& state) {
       [&watch](int64_t view) { return watch.truth(view); }, [&watch] { return watch.stop(); }};
 }
 
+constexpr std::chrono::milliseconds kPoll{50}, kLonger{3000};
+
 int view(const ViewArguments& arguments) {
   require_view_server();
   ListeningSocket socket = listen_on(arguments.host, uint16_t(arguments.port));
@@ -220,8 +222,10 @@ int view(const ViewArguments& arguments) {
   if (has_desktop && !arguments.no_browser)
     open_browser(leading_page(leading.emplace("view").path(), address));
   const bool is_owned = !arguments.resumed_by.empty();
-  while (!interrupted() && !(is_owned && has_no_reader()))
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (!interrupted() && !(is_owned && has_no_reader())) std::this_thread::sleep_for(kPoll);
+  // the page that has stopped the training asks once a second
+  for (auto left = kLonger; watch && watch->owes_resume() && left > kPoll; left -= kPoll)
+    std::this_thread::sleep_for(kPoll);
   return kExitDone;
 }
 

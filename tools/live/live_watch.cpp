@@ -108,6 +108,7 @@ std::string LiveWatch::state(int64_t seen) {
   result["complete"] = complete;
   result["page"] = complete && has_player_of(run_, served_) ? "/player/" : "";
   result["stopped"] = stopped ? json{{"step", stopped->step}, {"total", stopped->total}} : json();
+  owes_resume_ = owes_resume_ && !stopped;
   if (stopped)
     result["resume"] = resumed_by_.empty() ? shell_line(resume_words(run_)) : resumed_by_;
   result["views"] = json::array();
@@ -144,11 +145,17 @@ std::string LiveWatch::truth(int64_t view) const {
   return view >= 0 && size_t(view) < views_.size() ? views_[size_t(view)] : "";
 }
 
+bool LiveWatch::owes_resume() {
+  const std::lock_guard held(mutex_);
+  return owes_resume_;
+}
+
 bool LiveWatch::stop() {
   const std::lock_guard held(mutex_);
   const std::optional<LiveState> state = folder_.state();
   if (!state || Clock::now() - counted_ >= kAliveFor) return false;
   request_.stop_training = state->training;
+  owes_resume_ = true;
   ++request_.counter;
   return folder_.write(request_);
 }

@@ -43,6 +43,8 @@ class LiveWatch {
   /// PNG; "" where there is no such view.
   std::string truth(int64_t view) const;
   bool stop();
+  /// Whether a page has stopped the training and does not know yet what resumes it.
+  bool owes_resume();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -62,6 +64,7 @@ class LiveWatch {
   mutable std::mutex mutex_;
   LiveRequest request_;
   const std::string resumed_by_;
+  bool owes_resume_ = false;
   Clock::time_point asked_;
   std::optional<LiveState> last_;  // that the training wrote
   Clock::time_point counted_;
