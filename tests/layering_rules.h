@@ -42,7 +42,7 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
 
 /// Lines of C++ and CUDA that each top folder may have. A feature names what it replaces, or raises
 /// the number in the commit that brings it; a cut lowers it.
-inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13570}, {"ingest", 26510},
+inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13570}, {"ingest", 26481},
                                                          {"recon4d", 12460}, {"static3d", 5865},
                                                          {"tools", 24120},   {"tests", 58045}};
 

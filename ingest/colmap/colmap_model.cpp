@@ -168,11 +168,15 @@ void drop_infinite_points(PointCloud& points, const std::string& where,
   points.colour.resize(kept);
 }
 
-}  // namespace
-
-bool has_colmap_cameras(const std::filesystem::path& folder) {
-  return !model_kind(folder).empty();
+/// Of the models that are found in a capture; one in the capture itself lies beside images.
+std::filesystem::path first_of_models(const std::vector<std::filesystem::path>& models,
+                                      const std::filesystem::path& capture) {
+  for (const std::filesystem::path& folder : models)
+    if (folder != capture || !images_in(capture).empty()) return folder;
+  return {};
 }
+
+}  // namespace
 
 std::vector<std::filesystem::path> colmap_models_in(const std::filesystem::path& capture) {
   std::vector<FoundModel> found;
@@ -186,9 +190,7 @@ std::vector<std::filesystem::path> colmap_models_in(const std::filesystem::path&
 }
 
 std::filesystem::path find_colmap_model(const std::filesystem::path& capture) {
-  for (std::filesystem::path& folder : colmap_models_in(capture))
-    if (folder != capture || !images_in(capture).empty()) return std::move(folder);
-  return {};
+  return first_of_models(colmap_models_in(capture), capture);
 }
 
 ColmapModel read_colmap_model(const std::filesystem::path& folder) {
@@ -234,7 +236,8 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
 }
 
 ColmapModel read_capture_model(const std::filesystem::path& capture) {
-  const auto folder = find_colmap_model(capture);
+  const std::vector<std::filesystem::path> models = colmap_models_in(capture);
+  const std::filesystem::path folder = first_of_models(models, capture);
   if (folder.empty())
     throw InputError(fmt::format(
         "{}: no COLMAP model in it; put cameras, images and points3D (.bin or .txt) into sparse/0",
@@ -242,7 +245,7 @@ ColmapModel read_capture_model(const std::filesystem::path& capture) {
   try {
     ColmapModel model = read_colmap_model(folder);
     std::vector<std::string> others;
-    for (const std::filesystem::path& other : colmap_models_in(capture))
+    for (const std::filesystem::path& other : models)
       if (other != folder) others.push_back(other.lexically_relative(capture).generic_string());
     if (!others.empty())
       model.warnings.push_back(fmt::format("{}: is the largest model of {} images; not read: {}",

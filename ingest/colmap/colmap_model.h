@@ -31,9 +31,6 @@ struct ColmapModel {
   std::vector<std::string> warnings;         // one line each
 };
 
-/// True where cameras.bin or cameras.txt, in any case, lies directly in `folder`.
-bool has_colmap_cameras(const std::filesystem::path& folder);
-
 /// The folders at most four levels below `capture` that hold a list of cameras and one of images,
 /// in any case: those in `sparse` first, the one with the longest list of images before others,
 /// `capture` itself last. Folders that hold images, or a folder `images`, are captures of their

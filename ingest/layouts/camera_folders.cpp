@@ -16,18 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> folders_in(const fs::path& folder) {
-  std::vector<fs::path> folders;
-  std::error_code unreachable;
-  for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
-    std::error_code unresolved;
-    if (entry.is_directory(unresolved) && !entry.path().filename().string().starts_with('.'))
-      folders.push_back(entry.path());
-  }
-  std::sort(folders.begin(), folders.end());
-  return folders;
-}
-
 bool holds_images(const fs::path& folder) {
   std::error_code unreachable;
   if (fs::directory_iterator(folder, unreachable); unreachable) return false;
@@ -43,6 +31,18 @@ bool is_depth(const fs::path& image) {
 }
 
 }  // namespace
+
+std::vector<fs::path> folders_in(const fs::path& folder) {
+  std::vector<fs::path> folders;
+  std::error_code unreachable;
+  for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
+    std::error_code unresolved;
+    if (entry.is_directory(unresolved) && !entry.path().filename().string().starts_with('.'))
+      folders.push_back(entry.path());
+  }
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
 
 fs::path images_of_camera(const fs::path& folder) {
   if (holds_images(folder)) return folder;

@@ -7,6 +7,9 @@
 
 namespace tessera {
 
+/// The sub-folders by name; hidden ones are left out, and a folder that cannot be read has none.
+std::vector<std::filesystem::path> folders_in(const std::filesystem::path& folder);
+
 /// The folder with the images of the camera whose folder is given: itself, its `images`, or the
 /// only one in it that holds images of colour, beside depths. Empty where there is none, or are
 /// several.

@@ -150,10 +150,7 @@ bool is_capture(const fs::path& folder, std::optional<ImageLayout> image_layout)
 /// All images as those of one camera that moves.
 ImageSequences single_camera(const fs::path& folder) {
   ImageSequences found{{single_sequence(folder)}, RigEvidence::kNone, ""};
-  found.number_seconds = seconds_of_names(found.cameras);
-  if (!found.number_seconds) return found;
-  found.times = name_times_text(found.cameras, *found.number_seconds);
-  count_from_first(found.cameras);
+  take_times(found);
   return found;
 }
 

@@ -74,18 +74,6 @@ std::map<std::string, ImageSequence> sequences_by_name(const fs::path& folder) {
   return found.unread.empty() ? std::move(found.cameras) : std::map<std::string, ImageSequence>{};
 }
 
-std::vector<fs::path> folders_in(const fs::path& folder) {
-  std::vector<fs::path> folders;
-  std::error_code unreachable;
-  for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
-    std::error_code unresolved;
-    const std::string name = entry.path().filename().string();
-    if (entry.is_directory(unresolved) && !name.starts_with('.') && !name.starts_with("images"))
-      folders.push_back(entry.path());
-  }
-  return folders;
-}
-
 /// A folder with poses is a capture, not a camera of one.
 bool is_posed_capture(const fs::path& folder) {
   return has_transforms(folder) || fs::exists(folder / "sparse") ||
@@ -101,7 +89,8 @@ bool is_called_camera(const ImageSequence& sequence) {
 std::vector<ImageSequence> sequences_by_folder(const fs::path& folder) {
   std::vector<ImageSequence> cameras;
   for (const fs::path& candidate : folders_in(folder)) {
-    if (is_posed_capture(candidate)) continue;
+    const bool is_photo_set = candidate.filename().string().starts_with("images");
+    if (is_photo_set || is_posed_capture(candidate)) continue;
     const fs::path place = images_of_camera(candidate);
     if (place.empty()) continue;
     NamedSequences found = named_sequences(place);
@@ -195,11 +184,7 @@ ImageSequences judged(std::vector<ImageSequence> cameras, bool in_folders) {
                            in_folders ? "folders of numbered images" : "series of numbered images",
                            listed_names(names), common);
   const bool alike = is_alike(found.cameras);
-  found.number_seconds = seconds_of_names(found.cameras);
-  if (found.number_seconds) {
-    found.times = name_times_text(found.cameras, *found.number_seconds);
-    count_from_first(found.cameras);
-  }
+  take_times(found);
   if (named && (alike || is_alike_but_few(found.cameras)))
     found.evidence = RigEvidence::kRig;
   else if ((named && common > 1) || (alike && common >= (in_folders ? 2 : kTelling)))

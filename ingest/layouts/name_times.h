@@ -15,13 +15,10 @@ namespace tessera {
 /// frames lie less far apart, and equally far.
 std::optional<Rational> seconds_of_names(const std::vector<ImageSequence>& sequences);
 
-/// Counts the numbers from the first of all.
-void count_from_first(std::vector<ImageSequence>& sequences);
+/// Where the numbers are times: says so in `found`, and counts them from the first of all.
+void take_times(ImageSequences& found);
 
 /// The median distance of neighbours over all sequences; 0 where there are none.
 int64_t median_step(const std::vector<ImageSequence>& sequences);
-
-/// "times in ns, 30.0 a second, up to 0.4 ms off".
-std::string name_times_text(const std::vector<ImageSequence>& sequences, const Rational& seconds);
 
 }  // namespace tessera

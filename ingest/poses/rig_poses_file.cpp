@@ -103,8 +103,7 @@ std::vector<RigCamera> rig_cameras_of(const json& file, const path& path,
           where, camera.name));
   }
   account_for(shared, unread);
-  if (std::string line = unread_keys_line(where, unread); !line.empty())
-    notes.push_back(std::move(line));
+  note_unread_keys(where, unread, notes);
   return cameras;
 }
 

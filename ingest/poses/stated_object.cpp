@@ -130,11 +130,6 @@ bool StatedObject::is_true(const std::string& key) const {
   return value != nullptr && value->is_boolean() && value->get<bool>();
 }
 
-void StatedObject::take_all() const {
-  if (!object_->is_object()) return;
-  for (const auto& [key, value] : object_->items()) take(key);
-}
-
 std::vector<StatedObject::Member> StatedObject::rest() const {
   std::vector<Member> rest;
   if (!object_->is_object()) return rest;
@@ -154,9 +149,10 @@ void account_for(const StatedObject& object, std::set<std::string>& unread) {
   }
 }
 
-std::string unread_keys_line(const std::string& where, const std::set<std::string>& unread) {
-  if (unread.empty()) return "";
-  return fmt::format("{}: not read: {}", where, fmt::join(unread, ", "));
+void note_unread_keys(const std::string& where, const std::set<std::string>& unread,
+                      std::vector<std::string>& notes) {
+  if (!unread.empty())
+    notes.push_back(fmt::format("{}: not read: {}", where, fmt::join(unread, ", ")));
 }
 
 }  // namespace tessera

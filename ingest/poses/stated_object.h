@@ -41,9 +41,8 @@ class StatedObject {
   /// Whether the key is there and is true.
   bool is_true(const std::string& key) const;
 
-  /// Counts a key as read, or all of them.
+  /// Counts a key as read.
   void take(const std::string& key) const { read_.insert(key); }
-  void take_all() const;
   /// What has not been read, but for values that say nothing: null, false, zeros, "", empty lists.
   std::vector<Member> rest() const;
 
@@ -60,7 +59,8 @@ std::string plain_key(std::string_view key);
 /// the key where it speaks of a lens or of a pose: the camera is another one without it.
 void account_for(const StatedObject& object, std::set<std::string>& unread);
 
-/// A line that names such keys of a file; "" where there are none.
-std::string unread_keys_line(const std::string& where, const std::set<std::string>& unread);
+/// Adds a line that names such keys of a file, where there are some.
+void note_unread_keys(const std::string& where, const std::set<std::string>& unread,
+                      std::vector<std::string>& notes);
 
 }  // namespace tessera

@@ -175,8 +175,7 @@ void read_file(const std::filesystem::path& path, Split split_of_file, Images im
   if (images != Images::kListed || ours != nullptr) return;
   stated.take("frames");
   account_for(stated, unread);
-  if (std::string line = unread_keys_line(where, unread); !line.empty())
-    capture.notes.push_back(std::move(line));
+  note_unread_keys(where, unread, capture.notes);
 }
 
 /// The same image may be in two splits (val copied from test); its second name has the split.
@@ -248,8 +247,9 @@ void check_prepared(const TransformsCapture& capture) {
 
 /// COLMAP's poses beside a transforms file are not read, nor is their protocol of test views.
 void warn_of_unread_model(const std::filesystem::path& folder, TransformsCapture& capture) {
+  if (is_prepared_scene(folder)) return;
   const std::filesystem::path model = find_colmap_model(folder);
-  if (model.empty() || is_prepared_scene(folder)) return;
+  if (model.empty()) return;
   capture.warnings.push_back(fmt::format(
       "{}: read as {}; {} is there, too, and is not read: move the transforms file away to have "
       "the COLMAP model in its place",

@@ -30,7 +30,6 @@ struct Clip {
   std::vector<std::string> warnings;  // one line each
 
   int64_t count() const { return int64_t(windows.windows.size()); }
-  bool is_checkpoint() const { return count() == 1 && !bytes; }
   /// Every model is changed so when it is loaded, the head at once.
   void edit(const std::function<void(GaussianModel&)>& change);
 };
