@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,22 +17,38 @@
 
 namespace tessera {
 
+class PixelSearch;
+
 enum class CaptureLayout { kTransforms, kN3dv, kColmap, kLlff, kVideos, kSequences, kPhotos };
 
 /// The meaning of images without a video: synchronous cameras, photos of a static scene, or one
 /// moving camera in a scene that may move.
 enum class ImageLayout { kRig, kPhotos, kMoving };
+template <>
+inline constexpr const char* kEnumNames<ImageLayout>[] = {"rig", "photos", "moving"};
 
 enum class SyncMethod { kAuto, kNone, kContainer, kAudio, kMotion };
+template <>
+inline constexpr const char* kEnumNames<SyncMethod>[] = {"auto", "none", "container", "audio",
+                                                         "motion"};
 
 /// Initial cloud of the prepared scene: none, what the capture has, or a plane sweep added to it.
 enum class CloudDensity { kNone, kSparse, kDense };
+template <>
+inline constexpr const char* kEnumNames<CloudDensity>[] = {"none", "sparse", "dense"};
 
 /// What a prepared scene of clips has: an image file a frame, or the source videos by reference.
 /// kAuto: the videos, where the clip is longer than kLongClip and its frames can stay there.
 enum class FramesAs { kPng, kVideo, kAuto };
 template <>
 inline constexpr const char* kEnumNames<FramesAs>[] = {"png", "video", "auto"};
+
+/// What an undistorted image keeps of the view. kValid: it is cropped until all pixels are valid;
+/// kFull: up to 120 degrees, and pixels that the source does not show are masked; kAuto: kFull
+/// where the crop would take more than a tenth of the width or height.
+enum class FieldOfView { kAuto, kFull, kValid };
+template <>
+inline constexpr const char* kEnumNames<FieldOfView>[] = {"auto", "full", "valid"};
 
 inline constexpr double kLongClip = 20;  // seconds; a longer one is trained window by window
 
@@ -79,6 +96,7 @@ struct IngestOptions {
                                      // which chooses no frames of them, else 30
   std::string images;                // photo sets: the folder of the photos; empty: images
   FramesAs frames_as = FramesAs::kPng;
+  FieldOfView field_of_view = FieldOfView::kAuto;  // of images whose lens is removed
   bool strict = false;  // missing or unreadable images and photos without a
                         // pose are errors; otherwise they are warned of
   // Images 0, N, 2N … by name are the test split, of photo sets, of transforms files that state no
@@ -96,6 +114,8 @@ struct IngestOptions {
   bool sample = false;          // a few timesteps of videos, images at most 960 pixels wide: enough
                                 // for a diagnosis
   bool check_cameras = false;   // of rigs: warn of turned and of darker cameras
+  /// Searches the pixels of a dense cloud, where it gives anything, in place of the CPU.
+  std::function<std::unique_ptr<PixelSearch>()> pixel_search{};
 };
 
 struct IngestReport {

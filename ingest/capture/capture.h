@@ -11,7 +11,7 @@
 
 #include "ingest/camera_row.h"
 #include "ingest/poses/intrinsics.h"
-#include "ingest/poses/lens.h"
+#include "ingest/poses/pinhole_view.h"
 #include "ingest/scene.h"
 #include "ingest/video/clip.h"
 
@@ -60,6 +60,7 @@ struct CaptureFrame {
   std::optional<int64_t> ticks;  // presentation time in the camera's time base (clips)
   std::string file_path;         // of the written image, below the scene's folder
   std::string mask_path;         // of the written mask, likewise; empty: all pixels are used
+  FieldOfView field_of_view = FieldOfView::kValid;  // of the written image
 };
 
 struct Capture {

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "ingest/capture/capture.h"
+#include "ingest/checks/coverage.h"
 #include "ingest/clocks/frame_rates.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/median.h"
@@ -66,7 +67,7 @@ void mark_clocks(std::vector<CameraRow>& rows) {
   const auto is_unknown = [](const CameraRow& row) { return row.clock_source == "none"; };
   if (std::all_of(rows.begin(), rows.end(), is_unknown)) return;  // none was asked for
   for (CameraRow& row : rows)
-    if (is_unknown(row)) leave_out("clock unknown", row);
+    if (is_unknown(row)) row.notes.push_back("clock unknown");
 }
 
 void mark_pose_errors(std::vector<CameraRow>& rows) {
@@ -128,13 +129,14 @@ void put_rolls(const std::vector<CameraRoll>& rolls, std::vector<CameraRow>& row
 }
 
 std::string leave_out_line(const std::vector<CameraRow>& rows) {
+  constexpr size_t kEnough = size_t(kFewTrainingCameras) + 1;  // one is the test camera
   std::vector<std::string> odd, others;
   for (const CameraRow& row : rows)
     if (row.leave_out)
       odd.push_back(fmt::format("{} ({})", row.name, fmt::join(row.notes, ", ")));
     else
       others.push_back(row.name);
-  if (odd.empty() || others.size() < 2 || 2 * others.size() < rows.size()) return "";
+  if (odd.empty() || others.size() < kEnough || 2 * others.size() < rows.size()) return "";
   return fmt::format("leave out {}: --cameras {}", fmt::join(odd, ", "), fmt::join(others, ","));
 }
 

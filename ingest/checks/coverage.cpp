@@ -14,7 +14,6 @@ namespace {
 constexpr size_t kSamples = 4000;
 constexpr double kMuchUnseen = 0.25;  // a quarter of the scene without a second view
 constexpr double kMuchAlone = 0.4;
-constexpr size_t kFewCameras = 6;
 
 glm::dvec3 axis_of(const Camera& camera) {
   return glm::transpose(camera.cam_from_world)[2];
@@ -69,12 +68,8 @@ std::vector<std::vector<bool>> visibility(const std::vector<Station>& stations,
 
 void judge(CoverageCheck& check) {
   const size_t cameras = check.name.size();
-  if (cameras < kFewCameras)
-    check.findings.push_back(
-        {Severity::kWarning, "coverage", "",
-         fmt::format("{} training camera{}", cameras, cameras == 1 ? "" : "s"),
-         "held-out views will be poor (published results with 4 cameras on N3V: 17.7 to 22.3 dB, "
-         "against about 32 with all): add cameras, or pass a dense initial cloud"});
+  if (int64_t(cameras) < kFewTrainingCameras)
+    check.findings.push_back(few_cameras(int64_t(cameras)));
   const double weak = check.seen_by_none + check.seen_by_one;
   const bool warn = weak > kMuchUnseen;
   check.findings.push_back(
@@ -133,6 +128,15 @@ std::vector<std::vector<int>> overlapping_stations(const std::vector<Station>& s
     for (size_t k = 0; k < std::min(most, scores.size()); ++k) best[a].push_back(scores[k].second);
   }
   return best;
+}
+
+Finding few_cameras(int64_t cameras) {
+  return {Severity::kWarning, "coverage", "",
+          fmt::format("{} training camera{}: new views will be poor (published results with 4 "
+                      "cameras on N3V: 17.7 to 22.3 dB, against about 32 with all)",
+                      cameras, cameras == 1 ? "" : "s"),
+          fmt::format("film with {} or more beside the one that is held out for the score",
+                      kFewTrainingCameras)};
 }
 
 CoverageCheck check_coverage(const Scene& scene) {

@@ -38,8 +38,9 @@ struct RecordedClock {
   double uncertainty = 0;      // standard error; 0: stated or not measured
 };
 
-/// Warns of clocks that could not be measured, and of those whose uncertainty exceeds a quarter of
-/// a frame of `scene`, with what was done about them. Needs no pixels.
+/// Names clocks that could not be measured, and those whose uncertainty exceeds a quarter of a
+/// frame of `scene`: warnings where there are offsets, else nothing speaks against them. Needs no
+/// pixels.
 Findings check_clocks(const Scene& scene, const std::vector<RecordedClock>& clocks);
 
 }  // namespace tessera

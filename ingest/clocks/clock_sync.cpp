@@ -58,8 +58,9 @@ std::optional<std::vector<ClipClock>> from_containers(const std::vector<RigClip>
       reason = fmt::format("{}: its container states no time", clip.name);
       return std::nullopt;
     }
-    offsets.push_back(*clip.timeline.clock);
-    whole_seconds = whole_seconds && offsets.back() == std::floor(offsets.back());
+    const ContainerClock& clock = *clip.timeline.clock;
+    offsets.push_back(clock.since(*clips.front().timeline.clock));
+    whole_seconds = whole_seconds && clock.seconds == std::floor(clock.seconds);
   }
   if (whole_seconds) {  // a date of creation, or timecodes without a fraction
     reason = fmt::format("{}: its container, like all others, states its time in whole seconds",
@@ -193,7 +194,7 @@ ClipClocks synchronise(const std::vector<RigClip>& clips, const SyncOptions& opt
 
 std::vector<double> read_stated_offsets(const std::filesystem::path& path,
                                         const std::vector<std::string>& names) {
-  const std::string text = read_text_file(path);
+  const std::string text = read_plain_text(path);
   const size_t first = text.find_first_not_of(" \t\r\n");
   const Offsets offsets = first != std::string::npos && text[first] == '{'
                               ? from_json(path)

@@ -22,6 +22,7 @@ struct ClipClock {
 struct ClipClocks {
   std::vector<ClipClock> clocks;
   std::vector<std::string> warnings;  // one line each, with the camera's name
+  std::vector<std::string> notes{};   // what is not known, where nothing speaks against the clocks
 };
 
 /// Errors: InputError naming file or camera and the remedy.
@@ -34,10 +35,11 @@ ClipClocks synchronise(const std::vector<RigClip>& clips, const SyncOptions& opt
 std::vector<double> read_stated_offsets(const std::filesystem::path& path,
                                         const std::vector<std::string>& names);
 
-/// One clock a clip, their median 0. A clip whose offset cannot be measured keeps 0, the source
-/// "none" and a warning, as does one without a pose; an offset within offset_limits() is left at 0,
-/// its measured value beside it. Errors: InputError: a clock that drifts against the others'.
-/// Memory: 512 MB of images at most, and for each clip 17 MB and 90 kB a frame of three seconds.
+/// One clock a clip, their median 0. A clip whose offset cannot be measured keeps 0 and the source
+/// "none", as does one without a pose: a note, and a warning where others' clocks are off; an
+/// offset within offset_limits() is left at 0, its measured value beside it. Errors: InputError: a
+/// clock that drifts against the others'. Memory: 512 MB of images at most, and for each clip 17 MB
+/// and 90 kB a frame of three seconds.
 ClipClocks synchronise_by_motion(const std::vector<RigClip>& clips, const IngestProgress& progress);
 
 }  // namespace tessera

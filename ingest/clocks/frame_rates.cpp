@@ -5,12 +5,12 @@
 
 #include <cmath>
 
-#include "ingest/test_views.h"
-#include "kernels/base/errors.h"
 #include "kernels/base/median.h"
 
 namespace tessera {
 namespace {
+
+constexpr double kAlike = 0.02;  // of a rate: 24 and 25 differ by twice that
 
 /// The median of what is known; 0 of fewer than two.
 double usual_seconds(const std::vector<double>& frame_seconds) {
@@ -20,15 +20,14 @@ double usual_seconds(const std::vector<double>& frame_seconds) {
   return known.size() < 2 ? 0 : lower_median(std::move(known));
 }
 
-/// "24", "29.97".
+/// "24 frames/s", "29.97 frames/s".
 std::string rate_text(double frame_seconds) {
-  return fmt::format("{:g}", std::round(100 / frame_seconds) / 100);
+  return fmt::format("{:g} frames/s", std::round(100 / frame_seconds) / 100);
 }
 
 }  // namespace
 
 std::vector<char> odd_rates(const std::vector<double>& frame_seconds) {
-  constexpr double kAlike = 0.02;  // of the rate: 24 and 25 differ by twice that
   const double usual = usual_seconds(frame_seconds);
   std::vector<char> odd;
   for (const double seconds : frame_seconds)
@@ -36,20 +35,22 @@ std::vector<char> odd_rates(const std::vector<double>& frame_seconds) {
   return odd;
 }
 
-std::string rate_warning(const std::vector<std::string>& cameras,
-                         const std::vector<double>& frame_seconds) {
-  check(cameras.size() == frame_seconds.size(), "rate_warning: a rate for each camera");
+std::vector<std::string> rate_texts(const std::vector<double>& frame_seconds) {
   const std::vector<char> differs = odd_rates(frame_seconds);
-  std::vector<std::string> odd;
-  for (size_t i = 0; i < cameras.size(); ++i)
-    if (differs[i])
-      odd.push_back(fmt::format("{} has {} frames/s", cameras[i], rate_text(frame_seconds[i])));
-  if (odd.empty()) return "";
-  return fmt::format(
-      "{}, the other{} {}: each frame keeps its own time, but fewer timesteps are seen by all "
-      "cameras; film at one rate",
-      listed_names(odd), cameras.size() - odd.size() == 1 ? "" : "s",
-      rate_text(usual_seconds(frame_seconds)));
+  const double usual = usual_seconds(frame_seconds);
+  std::vector<std::string> texts;
+  for (size_t i = 0; i < frame_seconds.size(); ++i)
+    texts.push_back(usual > 0 ? rate_text(differs[i] ? frame_seconds[i] : usual) : "");
+  return texts;
+}
+
+std::string fps_warning(double fps, const std::vector<double>& frame_seconds) {
+  double least = 0;
+  for (const double seconds : frame_seconds)
+    if (seconds > 0 && (least == 0 || seconds < least)) least = seconds;
+  if (least == 0 || fps * least <= 1 + kAlike) return "";
+  return fmt::format("--fps {:g}: the videos have {}, all of which are kept; no frame is made up",
+                     fps, rate_text(least));
 }
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// Names the cameras of a rig whose frame rate is not that of the others.
+// Which cameras of a rig have another frame rate than most, and what rates are called.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,9 +9,10 @@ namespace tessera {
 /// each camera's frames in seconds, 0 where it has one frame and no rate, which never differs.
 std::vector<char> odd_rates(const std::vector<double>& frame_seconds);
 
-/// "cam01 has 30 frames/s, the others 24", and what comes of it; empty where all rates are alike.
-/// `cameras`: names; `frame_seconds`: as above.
-std::string rate_warning(const std::vector<std::string>& cameras,
-                         const std::vector<double>& frame_seconds);
+/// "30 frames/s" of each camera; those that do not differ have the text of the median one.
+std::vector<std::string> rate_texts(const std::vector<double>& frame_seconds);
+
+/// What is kept where `fps` is more than any camera has; else "".
+std::string fps_warning(double fps, const std::vector<double>& frame_seconds);
 
 }  // namespace tessera

@@ -73,6 +73,14 @@ std::vector<double> solve_weighted(const std::vector<PairOffset>& pairs,
   return variances;
 }
 
+/// The part of the pairs' errors that is left in their residuals, as the others went into the
+/// offsets; 1 where none is (every pair is needed): these do not tell the errors.
+double shrunk_by(const std::vector<PairOffset>& pairs, const std::vector<bool>& inside) {
+  double count = 0, unknowns = double(std::count(inside.begin(), inside.end(), true)) - 1;
+  for (const PairOffset& pair : pairs) count += inside[size_t(pair.a)];
+  return count > unknowns ? std::sqrt((count - unknowns) / count) : 1;
+}
+
 constexpr double kAgreeingPixels = 1;  // within which a miss agrees while the shift is sought
 constexpr size_t kFewestMisses = 24;   // that agree: 12 a parameter of a line, doubled
 constexpr double kCorrelation = 3;     // a texture's error lasts about nine frames: √9
@@ -179,6 +187,7 @@ std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>
   for (const PairOffset& pair : pairs) weights.push_back(1 / (pair.sigma * pair.sigma));
   std::vector<double> variances;
   double spread = 1;  // residuals of the pairs relative to their stated errors
+  const double shrunk = shrunk_by(pairs, inside);
   for (int round = 0; round < kRounds; ++round) {
     variances = solve_weighted(pairs, weights, inside, offsets);
     std::vector<double> misfit;
@@ -187,7 +196,7 @@ std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>
     std::vector<double> relative;
     for (size_t p = 0; p < pairs.size(); ++p)
       relative.push_back(std::abs(misfit[p]) / pairs[p].sigma);
-    spread = std::max(1.0, 1.4826 * median(relative));
+    spread = std::max(1.0, 1.4826 * median(relative) / shrunk);
     for (size_t p = 0; p < pairs.size(); ++p)
       weights[p] =
           cauchy_weight(misfit[p], spread * pairs[p].sigma) / (pairs[p].sigma * pairs[p].sigma);
@@ -204,9 +213,9 @@ std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>
 
 std::vector<double> offset_limits(const std::vector<SolvedOffset>& solved,
                                   const std::vector<double>& frame_seconds) {
-  constexpr double kLeast = 0.1, kMost = 0.25;  // frames
-  constexpr double kStandsOut = 5 * 1.4826;     // medians of sizes: five standard deviations
-  std::vector<double> sizes;                    // frames
+  constexpr double kLeast = 0.1, kMost = 0.5;  // frames
+  constexpr double kStandsOut = 5 * 1.4826;    // medians of sizes: five standard deviations
+  std::vector<double> sizes;                   // frames
   for (size_t i = 0; i < solved.size(); ++i)
     if (solved[i].determined)
       sizes.push_back(std::abs(solved[i].offset) / std::max(frame_seconds[i], 1e-9));
@@ -215,7 +224,7 @@ std::vector<double> offset_limits(const std::vector<SolvedOffset>& solved,
       middle < kLeast ? std::max(kLeast, std::min(kStandsOut * middle, kMost)) : kLeast;
   std::vector<double> limits;
   for (size_t i = 0; i < solved.size(); ++i)
-    limits.push_back(solved[i].determined ? std::max(2 * solved[i].sigma, frames * frame_seconds[i])
+    limits.push_back(solved[i].determined ? std::max(3 * solved[i].sigma, frames * frame_seconds[i])
                                           : 0);
   return limits;
 }

@@ -31,10 +31,10 @@ double median_offset(std::vector<double> offsets);
 /// determined. `frame_seconds`: of each clock's frames. An offset that is applied gives the frames
 /// of that camera times of their own, so that the scene has more timesteps, which is justified only
 /// where it is real and matters:
-/// - it must be more than twice its standard error;
+/// - it must be more than three times its standard error;
 /// - and more than a tenth of a frame, in which an object moves less than while a frame is exposed;
 /// - where most clocks agree to a tenth of a frame (one trigger drives the cameras), it must stand
-///   out from the others: by five times their scatter, or a quarter of a frame if that is less. The
+///   out from the others: by five times their scatter, or half a frame if that is less. The
 ///   standard errors do not include lenses and textures that shift all frames of a pair alike.
 std::vector<double> offset_limits(const std::vector<SolvedOffset>& solved,
                                   const std::vector<double>& frame_seconds);

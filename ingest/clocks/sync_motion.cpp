@@ -129,10 +129,8 @@ class MotionSync {
   }
 
   ClipClocks run() {
-    for (size_t i = 0; i < clips_.size(); ++i) {
-      report("motion", i);
-      energies_.push_back(clips_[i].camera ? motion_energy(images_[i]) : MotionEnergy{});
-    }
+    energies_.resize(clips_.size());
+    for_posed("motion", [&](size_t i) { energies_[i] = motion_energy(images_[i]); });
     const auto coarse = measure(pairs_, [&](int a, int b) {
       return coarse_offset(energies_[size_t(a)], energies_[size_t(b)], *clips_[size_t(a)].camera,
                            *clips_[size_t(b)].camera);
@@ -165,8 +163,20 @@ class MotionSync {
 
   static double step_of(const RigClip& clip) { return clip.timeline.frame_seconds; }
 
-  void report(const char* what, size_t done) const {
-    if (progress_) progress_(what, int64_t(done), int64_t(clips_.size()));
+  /// Calls `work` for each clip with a pose, as many at once as there are threads; progress comes
+  /// from this one.
+  template <class Work>
+  void for_posed(const char* what, const Work& work) const {
+    const auto threads = size_t(thread_count());
+    for (size_t first = 0; first < clips_.size(); first += threads) {
+      if (progress_) progress_(what, int64_t(first), int64_t(clips_.size()));
+      const size_t count = std::min(threads, clips_.size() - first);
+      parallel_for(int64_t(count), 1, [&](int64_t begin, int64_t end) {
+        const SerialSection serial;
+        for (int64_t i = begin; i < end; ++i)
+          if (clips_[first + size_t(i)].camera) work(first + size_t(i));
+      });
+    }
   }
 
   double compared_seconds() const {
@@ -191,18 +201,16 @@ class MotionSync {
 
   /// From `begin` on, in the rig's time by the offsets `start`.
   Fine measure_fine(const std::vector<double>& start, double begin) {
-    std::vector<PosedFeatures> features;
+    std::vector<PosedFeatures> features(clips_.size());
     const double length = compared_seconds();
-    for (size_t i = 0; i < clips_.size(); ++i) {
-      report("moving features", i);
+    for_posed("moving features", [&](size_t i) {
       const RigClip& clip = clips_[i];
-      PosedFeatures& posed = features.emplace_back();
-      if (!clip.camera) continue;
+      PosedFeatures& posed = features[i];
       posed.camera = clip.camera->camera.resized(energies_[i].width, energies_[i].height);
       posed.frame_seconds = step_of(clip);
       posed.frames = moving_features(images_[i], begin - start[i], begin + length - start[i]);
       straighten(posed.frames, *clip.camera, energies_[i].width, energies_[i].height);
-    }
+    });
     std::vector<PairShift> shifts(clips_.size() * clips_.size());
     Fine fine;
     fine.pairs = measure(pairs_, [&](int a, int b) -> std::optional<PairOffset> {
@@ -255,38 +263,54 @@ class MotionSync {
     std::vector<double> steps;
     for (const RigClip& clip : clips_) steps.push_back(step_of(clip));
     const std::vector<double> limits = offset_limits(solved, steps);
-    std::vector<std::string> left;  // as measured, but not certain to be there
+    std::vector<std::string> unknown, left;  // left: as measured, but not certain to be there
+    double farthest = 0;
     for (size_t i = 0; i < solved.size(); ++i) {
       const SolvedOffset& s = solved[i];
+      const std::string& name = clips_[i].name;
       if (!s.determined) {
-        const std::vector<int64_t>& ticks = clips_[i].timeline.ticks;
-        const double length =
-            ticks.empty() ? 0 : clips_[i].timeline.time_base.at(ticks.back() - ticks.front());
-        result.clocks.push_back({0, 0, 0.5 * length, "none"});
-        result.warnings.push_back(fmt::format(
-            "{}: {} how its clock runs against the others'; it is taken as it is: state it with "
-            "--offsets FILE",
-            clips_[i].name,
-            clips_[i].camera ? "its images do not tell"
-                             : "its pose is not known, without which its images cannot tell"));
+        result.clocks.push_back({0, 0, 0.5 * length_of(clips_[i]), "none"});
+        unknown.push_back(name + (clips_[i].camera ? "" : " (no pose)"));
         continue;
       }
       const bool told = std::abs(s.offset) > limits[i], vague = s.sigma > 0.25 * steps[i];
       result.clocks.push_back({told ? s.offset : 0, s.offset, s.sigma, "motion"});
-      if (vague)
+      if (told) farthest = std::max(farthest, std::abs(s.offset));
+      if (told && vague)
         result.warnings.push_back(fmt::format(
-            "{}: its clock's offset from motion, {:+.3f} s, is only known to {:.3f} s{}; state it "
+            "{}: its clock's offset from motion, {:+.3f} s, is only known to {:.3f} s; state it "
             "with --offsets FILE if you know better",
-            clips_[i].name, s.offset, s.sigma, told ? "" : " and is left at 0"));
-      else if (!told && std::abs(s.offset) > std::max(2 * s.sigma, 0.1 * steps[i]))
-        left.push_back(fmt::format("{} {:+.4f} s", clips_[i].name, s.offset));
+            name, s.offset, s.sigma));
+      else if (!told && (vague || std::abs(s.offset) > std::max(2 * s.sigma, 0.1 * steps[i])))
+        left.push_back(fmt::format("{} {:+.4f} ± {:.4f} s", name, s.offset, s.sigma));
     }
+    say_unknown(unknown, farthest, result);
     if (!left.empty())
-      result.warnings.push_back(fmt::format(
-          "clocks: the cameras agree but for {}, which does not stand out from the others' errors "
-          "and is left at 0; state what you know with --offsets FILE",
+      result.notes.push_back(fmt::format(
+          "clocks: what motion says of {} is within its errors; they are left as they are",
           listed_names(left)));
     return result;
+  }
+
+  static double length_of(const RigClip& clip) {
+    const std::vector<int64_t>& ticks = clip.timeline.ticks;
+    return ticks.empty() ? 0 : clip.timeline.time_base.at(ticks.back() - ticks.front());
+  }
+
+  /// A clock that nothing speaks against is no reason to act. `farthest`: the largest offset of the
+  /// others.
+  void say_unknown(const std::vector<std::string>& unknown, double farthest,
+                   ClipClocks& result) const {
+    if (unknown.empty()) return;
+    if (farthest > 0)
+      result.warnings.push_back(fmt::format(
+          "clocks: the images of {} do not tell how their clocks run, and others' are off by up to "
+          "{:.3f} s; state them with --offsets FILE",
+          listed_names(unknown), farthest));
+    else
+      result.notes.push_back(fmt::format(
+          "clocks: the images of {} do not tell how their clocks run; they are taken as they are",
+          listed_names(unknown)));
   }
 
   const std::vector<RigClip>& clips_;

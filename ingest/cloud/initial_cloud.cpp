@@ -1,5 +1,4 @@
-// Runs the plane sweep where the capture is a rig, with few timesteps in memory at a time. The loss
-// that the warning about few cameras states is that of failure mode B12.
+// Runs the plane sweep where the capture is a rig, with few timesteps in memory at a time.
 #include "ingest/cloud/initial_cloud.h"
 
 #include <fmt/format.h>
@@ -270,7 +269,7 @@ void add_initial_cloud(const std::filesystem::path& folder, const IngestOptions&
   cloud.points = options.cloud_points;
   cloud.progress = [&](int64_t done) { progress("initial cloud", done, options.cloud_points); };
   cloud.progress(0);
-  const RigCloud found = rig_cloud(FolderFrames(folder), cloud);
+  const RigCloud found = rig_cloud(FolderFrames(folder), cloud, options.pixel_search);
   if (found.points.position.empty())
     capture.warnings.push_back(
         fmt::format("no dense cloud: {}; the training starts from {}",
@@ -286,15 +285,10 @@ void add_initial_cloud(const std::filesystem::path& folder, const IngestOptions&
   add_points(capture.points, found.points);
 }
 
-void warn_of_few_cameras(Capture& capture) {
-  constexpr int64_t kFew = 5;  // of six cameras one is for the test
+std::optional<int64_t> cameras_of_a_rig(const Capture& capture) {
   const int64_t cameras = cameras_of_a_timestep(capture);
   const bool monocular = capture.layout == "transforms" ? cameras < 2 : capture.cameras.size() < 2;
-  if (has_model(capture) || monocular || cameras >= kFew) return;
-  capture.warnings.push_back(fmt::format(
-      "{} training camera{}: new views will be poor; published methods lose 10 to 14 dB "
-      "on N3DV with 4 cameras instead of all; {} or more training cameras are advised",
-      cameras, cameras == 1 ? "" : "s", kFew));
+  return has_model(capture) || monocular ? std::nullopt : std::optional(cameras);
 }
 
 }  // namespace tessera

@@ -48,7 +48,7 @@ std::string motion_warning(const RigCloud& cloud);
 void add_initial_cloud(const std::filesystem::path& folder, const IngestOptions& options,
                        const IngestProgress& progress, Capture& capture);
 
-/// Warns of what few cameras cost.
-void warn_of_few_cameras(Capture& capture);
+/// Training cameras of one timestep, at most; nothing for photos of a COLMAP model and one camera.
+std::optional<int64_t> cameras_of_a_rig(const Capture& capture);
 
 }  // namespace tessera

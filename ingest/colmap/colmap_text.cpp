@@ -83,7 +83,7 @@ bool is_image(std::string_view line) {
 class TextRecords {
  public:
   explicit TextRecords(const std::filesystem::path& path)
-      : name_(path.string()), text_(read_text_file(path)) {}
+      : name_(path.string()), text_(read_plain_text(path)) {}
 
   /// The next line that holds a record.
   std::optional<Words> next_record() {
@@ -121,7 +121,6 @@ class TextRecords {
     line = line.substr(0, line.find('\n'));
     at_ += line.size() + 1;
     ++line_;
-    if (line.ends_with('\r')) line.remove_suffix(1);
     return line;
   }
   void note_count(std::string_view comment) {

@@ -17,8 +17,22 @@ namespace tessera {
 namespace {
 
 constexpr int kRounds = 2;  // of triangulation and adjustment: the third changes < 0.001 degrees
-constexpr const char* kOverlapRemedy =
-    "let neighbouring cameras see more of the same textured things, or pass --poses FILE";
+
+/// What helps where cameras have no or few points in common.
+std::string overlap_remedy(const std::vector<StillImage>& stills) {
+  constexpr int kSmall = 480;  // pixels of the longer side
+  const auto side = [](const StillImage& still) {
+    return std::max(still.image.width, still.image.height);
+  };
+  const StillImage& largest = *std::max_element(
+      stills.begin(), stills.end(),
+      [&](const StillImage& a, const StillImage& b) { return side(a) < side(b); });
+  return fmt::format(
+      "{}let neighbouring cameras see more of the same textured things, or pass --poses FILE",
+      side(largest) >= kSmall ? ""
+                              : fmt::format("images of {}x{} hold few features: use larger ones, ",
+                                            largest.image.width, largest.image.height));
+}
 
 /// COLMAP's models of the lens: that the mapper estimates, and the one that is enough where there
 /// is no distortion; the latter is empty where the user chose the model.
@@ -40,6 +54,7 @@ struct RigSolver {
   const ColmapProgram& colmap;
   const PoseOptions& options;
   RigLens lens;
+  std::string remedy;                // where cameras have no points in common
   std::vector<std::string> names;    // of the images, one a clip
   std::vector<std::string> cameras;  // of the clips
   double max_error = 1;              // pixels, of the last rounds
@@ -48,17 +63,15 @@ struct RigSolver {
   /// where there is none. Nothing is run where `key` is that of what is there.
   std::filesystem::path solve(const std::vector<StillImage>& stills, const std::string& key,
                               std::vector<std::string>& warnings) const;
-  /// Points and colours of the training cameras alone, into work.folder/points/model.
+  /// Points and colours of the training cameras alone, into work.folder/points/model; none where
+  /// these have no points in common.
   void triangulate_training(const std::vector<char>& held_out, const std::string& key) const;
   std::filesystem::path chosen() const { return work.folder / "refined" / "chosen"; }
   size_t clip_of(const std::string& name) const;
 
  private:
   void map() const;
-  /// Points of the images of `model`, whose files are in that folder, into the folder `out`.
-  void triangulate(const std::vector<PosedImage>& images, const std::filesystem::path& model,
-                   const std::filesystem::path& out, double error) const;
-  std::filesystem::path refine(const ColmapModel& start, const std::string& lens_model) const;
+  std::optional<ColmapModel> refine(const ColmapModel& start, const std::string& lens_model) const;
   void choose_refined(const ColmapModel& mapped) const;
 };
 
@@ -78,22 +91,20 @@ void RigSolver::map() const {
                 {"--output_path", work.sparse.string()},
                 {"--Mapper.min_model_size", "3"},
                 {"--Mapper.ba_refine_principal_point", "0"}},
-               "colmap: registering cameras", "Registering image", int64_t(names.size()),
-               kOverlapRemedy);
+               "colmap: registering cameras", "Registering image", int64_t(names.size()), remedy);
   } catch (const ColmapFailure& failure) {
-    failure.rethrow(cameras, kOverlapRemedy);
+    failure.rethrow(cameras, remedy);
   }
 }
 
-void RigSolver::triangulate(const std::vector<PosedImage>& images,
-                            const std::filesystem::path& model, const std::filesystem::path& out,
-                            double error) const {
+/// What `make` returns; nothing where COLMAP finds no common points.
+template <class Make>
+std::optional<ColmapModel> with_points(const Make& make) {
   try {
-    work.triangulate(colmap, model, out, error);
+    return make();
   } catch (const ColmapFailure& failure) {
-    std::vector<std::string> of_model;
-    for (const PosedImage& image : images) of_model.push_back(cameras[clip_of(image.name)]);
-    failure.rethrow(of_model, kOverlapRemedy);
+    if (!failure.has_no_common_points()) throw;
+    return std::nullopt;
   }
 }
 
@@ -105,9 +116,9 @@ std::vector<PosedImage> posed_images(const ColmapModel& model) {
 }
 
 /// Tracks are made anew from exact matches and everything is adjusted, twice: the mapper's own
-/// tracks hold features that are off by up to 4 pixels. Returns the model's folder.
-std::filesystem::path RigSolver::refine(const ColmapModel& start,
-                                        const std::string& lens_model) const {
+/// tracks hold features that are off by up to 4 pixels. Nothing where no exact match is left.
+std::optional<ColmapModel> RigSolver::refine(const ColmapModel& start,
+                                             const std::string& lens_model) const {
   auto images = posed_images(start);
   if (!lens_model.empty())
     for (PosedImage& image : images) {
@@ -117,20 +128,22 @@ std::filesystem::path RigSolver::refine(const ColmapModel& start,
   const auto folder = work.folder / "refined" / (lens_model.empty() ? "as mapped" : lens_model);
   auto model = folder / "start";
   write_posed_model(model, images);
-  for (int round = 0; round < kRounds; ++round) {
-    const auto points = folder / fmt::format("points{}", round);
-    const auto adjusted = folder / fmt::format("adjusted{}", round);
-    make_folder(adjusted);
-    triangulate(images, model, points, max_error);
-    colmap.run("bundle_adjuster",
-               {{"--input_path", points.string()},
-                {"--output_path", adjusted.string()},
-                {"--BundleAdjustment.refine_principal_point", "0"},
-                {"--BundleAdjustment.max_num_iterations", "200"}},
-               "colmap: adjusting cameras");
-    model = adjusted;
-  }
-  return model;
+  return with_points([&] {
+    for (int round = 0; round < kRounds; ++round) {
+      const auto points = folder / fmt::format("points{}", round);
+      const auto adjusted = folder / fmt::format("adjusted{}", round);
+      make_folder(adjusted);
+      work.triangulate(colmap, model, points, max_error);
+      colmap.run("bundle_adjuster",
+                 {{"--input_path", points.string()},
+                  {"--output_path", adjusted.string()},
+                  {"--BundleAdjustment.refine_principal_point", "0"},
+                  {"--BundleAdjustment.max_num_iterations", "200"}},
+                 "colmap: adjusting cameras");
+      model = adjusted;
+    }
+    return read_colmap_model(model);
+  });
 }
 
 /// Whether distortion explains more than chance would let it: √n is what counts of n points scatter
@@ -141,17 +154,17 @@ bool needs_lens(const ColmapModel& with, const ColmapModel& without) {
 }
 
 /// The result, as a text model in work.folder/refined/chosen. Where no lens was asked for, there is
-/// one only if the images need it. Where a lens fits so badly that half of the points go, the
-/// mapper's result stays.
+/// one only if the images need it. Where a lens fits so badly that half of the points go, or all of
+/// them, the mapper's result stays.
 void RigSolver::choose_refined(const ColmapModel& mapped) const {
-  ColmapModel best = read_colmap_model(refine(mapped, ""));
+  std::optional<ColmapModel> best = refine(mapped, "");
   if (!lens.plain.empty()) {
-    ColmapModel plain = read_colmap_model(refine(mapped, lens.plain));
-    if (!needs_lens(best, plain)) best = std::move(plain);
+    std::optional<ColmapModel> plain = refine(mapped, lens.plain);
+    if (plain && (!best || !needs_lens(*best, *plain))) best = std::move(plain);
   }
-  const bool fits = 2 * best.points.position.size() >= mapped.points.position.size() &&
-                    best.photos.size() == mapped.photos.size();
-  write_posed_model(chosen(), posed_images(fits ? best : mapped));
+  const bool fits = best && best->photos.size() == mapped.photos.size() &&
+                    2 * best->points.position.size() >= mapped.points.position.size();
+  write_posed_model(chosen(), posed_images(fits ? *best : mapped));
 }
 
 std::filesystem::path RigSolver::solve(const std::vector<StillImage>& stills,
@@ -188,21 +201,21 @@ std::vector<StillImage> still_images(const std::vector<RigClip>& clips, Fnv1a& k
 }
 
 void name_unregistered(const std::vector<RigClip>& clips, const PoseOptions& options,
-                       const std::filesystem::path& log, PoseEstimate& estimate) {
+                       const RigSolver& solver, PoseEstimate& estimate) {
   std::vector<std::string> missing;
   for (size_t i = 0; i < clips.size(); ++i)
     if (!estimate.cameras[i]) missing.push_back(clips[i].name);
   if (clips.size() - missing.size() < 2)
-    throw InputError(
-        fmt::format("COLMAP registered {} of {} cameras, expected at least 2; {}; its log: {}",
-                    clips.size() - missing.size(), clips.size(), kOverlapRemedy, log.string()));
+    throw InputError(fmt::format(
+        "COLMAP registered {} of {} cameras, expected at least 2; {}; its log: {}",
+        clips.size() - missing.size(), clips.size(), solver.remedy, solver.colmap.log().string()));
   if (missing.empty()) return;
   const std::string seen =
       fmt::format("COLMAP registered {} of {} cameras, not {}", clips.size() - missing.size(),
                   clips.size(), fmt::join(missing, ", "));
   if (options.strict)
     throw InputError(fmt::format("{}; {}, or leave --strict out to prepare the others; its log: {}",
-                                 seen, kOverlapRemedy, log.string()));
+                                 seen, solver.remedy, solver.colmap.log().string()));
   estimate.warnings.push_back(seen + "; the scene is made without");
 }
 
@@ -215,10 +228,12 @@ void RigSolver::triangulate_training(const std::vector<char>& held_out,
   for (PosedImage& image : posed_images(read_colmap_model(chosen())))
     if (!held_out[clip_of(image.name)]) training.push_back(std::move(image));
   write_posed_model(points.folder / "posed", training);
-  if (training.size() > 1) {
-    triangulate(training, points.folder / "posed", points.folder / "model", 2 * max_error);
-    read_colmap_model(points.folder / "model");  // its files may be incomplete
-  }
+  const auto model = points.folder / "model";
+  const bool has_points = training.size() > 1 && with_points([&] {
+                            work.triangulate(colmap, points.folder / "posed", model, 2 * max_error);
+                            return read_colmap_model(model);  // its files may be incomplete
+                          });
+  if (!has_points) std::filesystem::remove_all(model);
   points.store_key(key);
 }
 
@@ -258,7 +273,7 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips,
   const RigLens lens = rig_lens(clips, options);
   if (lens.mapped != "SIMPLE_RADIAL") key.add(lens.mapped);
   const auto stills = still_images(clips, key, progress);
-  RigSolver solver{work, colmap, options, lens, {}, {}, 1};
+  RigSolver solver{work, colmap, options, lens, overlap_remedy(stills), {}, {}, 1};
   for (size_t i = 0; i < stills.size(); ++i) {
     solver.cameras.push_back(clips[i].name);
     solver.names.push_back(ColmapWorkspace::image_name(i, stills[i].image));
@@ -296,7 +311,7 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips,
       estimate.error = model.error;
     }
   }
-  name_unregistered(clips, options, colmap.log(), estimate);
+  name_unregistered(clips, options, solver, estimate);
   return estimate;
 }
 

@@ -58,6 +58,10 @@ void write_text_file(const std::filesystem::path& path, std::string_view text);
 void write_together(const std::vector<std::pair<std::filesystem::path, std::string>>& texts);
 /// The whole of `path`. Errors: InputError when it is missing or unreadable.
 std::string read_text_file(const std::filesystem::path& path);
+/// The same of a text that any system wrote: as UTF-8 without a byte-order mark, with \n at the
+/// ends of lines.
+std::string read_plain_text(const std::filesystem::path& path);
+std::string plain_text(std::string bytes);
 /// Removes parts of files in `folder` that killed programs have left; the caller is its only
 /// writer.
 void remove_partial_files(const std::filesystem::path& folder);

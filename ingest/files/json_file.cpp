@@ -69,7 +69,7 @@ nlohmann::json parse_json(std::string text, const std::filesystem::path& path) {
 }
 
 nlohmann::json read_json(const std::filesystem::path& path) {
-  return parse_json(read_text_file(path), path);
+  return parse_json(read_plain_text(path), path);
 }
 
 std::string json_text(const nlohmann::json& value, int indent) {

@@ -5,13 +5,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "ingest/poses/pinhole_view.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
+
+constexpr double kBeyond = 1e4;  // a place outside of any image, in focal lengths
 
 /// Multiplies (or divides, `inverse`) the colours of RGBA pixels by alpha, in [0, 255] floats.
 void weight_by_alpha(cv::Mat& pixels, bool inverse) {
@@ -64,10 +68,13 @@ Undistortion::Undistortion(const Camera& camera, const Lens& lens, const Camera&
     : width_(camera.width),
       height_(camera.height),
       place_(pinhole.height, pinhole.width, CV_32FC2) {
+  const double reach = lens.outward_reach(shortest_ray(camera), kFarthestRay);
   for (int y = 0; y < pinhole.height; ++y)
     for (int x = 0; x < pinhole.width; ++x) {
-      const glm::dvec2 met = lens.distorted(
-          {(x + 0.5 - pinhole.cx) / pinhole.fl_x, (y + 0.5 - pinhole.cy) / pinhole.fl_y});
+      const glm::dvec2 ray((x + 0.5 - pinhole.cx) / pinhole.fl_x,
+                           (y + 0.5 - pinhole.cy) / pinhole.fl_y);
+      // rays beyond are shown by no pixel: the place of the border, which masks ignore
+      const glm::dvec2 met = glm::length(ray) <= reach ? lens.distorted(ray) : glm::dvec2(-kBeyond);
       place_.at<cv::Vec2f>(y, x) = {float(camera.fl_x * met.x + camera.cx - 0.5),
                                     float(camera.fl_y * met.y + camera.cy - 0.5)};
     }

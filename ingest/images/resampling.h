@@ -20,8 +20,9 @@ class Undistortion {
   /// Images are taken by `camera` through `lens`; results have the size of `pinhole`, whose pose
   /// is the same.
   Undistortion(const Camera& camera, const Lens& lens, const Camera& pinhole);
-  /// Bilinear; with alpha, colours are weighted by it; beyond the border it repeats. An image of
-  /// another size than the camera's is a bug of the caller.
+  /// Bilinear; with alpha, colours are weighted by it; beyond the border it repeats, also where the
+  /// lens shows the ray of a pixel nowhere. An image of another size than the camera's is a bug of
+  /// the caller.
   Image8 apply(const Image8& image) const;
 
  private:

@@ -91,17 +91,6 @@ bool has_posed_photos(const fs::path& capture, std::optional<ImageLayout> image_
   return names_photos(model, folders);
 }
 
-/// Whether there are videos that are not each the film of a photo of its name, as phones keep it.
-bool has_clips(const fs::path& capture) {
-  const std::vector<fs::path> videos = videos_in(capture);
-  if (videos.empty()) return false;
-  std::set<std::string> photos;
-  for (const fs::path& image : images_in(capture)) photos.insert(image.stem().string());
-  return !std::all_of(videos.begin(), videos.end(), [&](const fs::path& video) {
-    return photos.contains(video.stem().string());
-  });
-}
-
 /// Whether the sub-folders are cameras with a video each. Errors: AmbiguousCapture.
 bool has_video_rig(const fs::path& capture) {
   const VideoFolders found = find_video_folders(capture);
@@ -155,6 +144,16 @@ ImageSequences single_camera(const fs::path& folder) {
 }
 
 }  // namespace
+
+bool has_clips(const fs::path& capture) {
+  const std::vector<fs::path> videos = videos_in(capture);
+  if (videos.empty()) return false;
+  std::set<std::string> photos;
+  for (const fs::path& image : images_in(capture)) photos.insert(image.stem().string());
+  return !std::all_of(videos.begin(), videos.end(), [&](const fs::path& video) {
+    return photos.contains(video.stem().string());
+  });
+}
 
 CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageLayout> image_layout) {
   require_folder(capture);

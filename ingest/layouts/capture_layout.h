@@ -33,6 +33,8 @@ const LayoutRow& row_of(CaptureLayout layout);
 inline const char* layout_name(CaptureLayout layout) {
   return row_of(layout).name;
 }
+/// Whether there are videos that are not each the film of a photo of its name, as phones keep it.
+bool has_clips(const std::filesystem::path& capture);
 /// True where one of photo_folders() holds images.
 bool has_images(const std::filesystem::path& capture);
 

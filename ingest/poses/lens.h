@@ -1,5 +1,5 @@
-// A lens: the image position of the ray of an ideal pinhole, and the pinhole camera whose image can
-// be resampled from it without blank pixels. RigCamera is a camera of a rig with its lens.
+// A lens: the image position of the ray of an ideal pinhole. RigCamera is a camera of a rig with
+// its lens.
 #pragma once
 #include <glm/vec2.hpp>
 #include <optional>
@@ -29,15 +29,10 @@ struct Lens {
   /// The ray that `distorted` takes to `met`; nothing where none was found (beyond the turning
   /// point of a distortion that turns back, or a fisheye's 90 degrees).
   std::optional<glm::dvec2> undistorted(const glm::dvec2& met) const;
+  /// The length, `to` at most, up to which longer rays are met farther out, from rays of the length
+  /// `from` on: beyond it `distorted` comes back, to places of other rays.
+  double outward_reach(double from, double to) const;
 };
-
-/// The pinhole camera of the same size and pose whose every pixel lies in the image that `camera`
-/// takes through `lens`. The principal point is the camera's, the focal length too or as much
-/// longer as that needs. Where the camera's axis does not meet its image (a cropped sensor) and
-/// its own focal length does not do, the middle of the image stays in the middle, and the focal
-/// length is the shortest without blank pixels. Errors: InputError that starts with `where`: no
-/// such camera, because the distortion turns back on itself within the image.
-Camera undistorted_camera(const Camera& camera, const Lens& lens, const std::string& where);
 
 struct RigCamera {
   std::string name;                    // "cam02": the name of its video without extension

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -46,7 +47,8 @@ json read_opencv_tree(const std::filesystem::path& file) {
     reason = "it has more than 16 MiB";
   } else {
     try {
-      const cv::FileStorage storage(file.string(), cv::FileStorage::READ);
+      const cv::FileStorage storage(read_plain_text(file),
+                                    cv::FileStorage::READ | cv::FileStorage::MEMORY);
       if (storage.isOpened()) return tree_of(storage.root(), kMostLevels);
     } catch (const cv::Exception& error) {
       reason = error.err;

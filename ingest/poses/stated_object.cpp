@@ -130,12 +130,29 @@ bool StatedObject::is_true(const std::string& key) const {
   return value != nullptr && value->is_boolean() && value->get<bool>();
 }
 
+std::vector<StatedObject::Member> StatedObject::members() const {
+  std::vector<Member> all;
+  if (object_->is_object())
+    for (const auto& [key, value] : object_->items()) all.push_back({key, &value});
+  return all;
+}
+
 std::vector<StatedObject::Member> StatedObject::rest() const {
-  std::vector<Member> rest;
-  if (!object_->is_object()) return rest;
-  for (const auto& [key, value] : object_->items())
-    if (!read_.contains(key) && !says_nothing(value)) rest.push_back({key, &value});
+  std::vector<Member> rest = members();
+  std::erase_if(rest, [&](const Member& member) {
+    return read_.contains(member.key) || says_nothing(*member.value);
+  });
   return rest;
+}
+
+bool is_of_words(std::string_view key, const std::set<std::string>& heads,
+                 const std::set<std::string>& others) {
+  const std::vector<std::string> words = words_of(key);
+  const auto is_head = [&](const std::string& word) { return heads.contains(word); };
+  return std::any_of(words.begin(), words.end(), is_head) &&
+         std::all_of(words.begin(), words.end(), [&](const std::string& word) {
+           return is_head(word) || others.contains(word);
+         });
 }
 
 void account_for(const StatedObject& object, std::set<std::string>& unread) {

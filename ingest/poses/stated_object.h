@@ -43,6 +43,8 @@ class StatedObject {
 
   /// Counts a key as read.
   void take(const std::string& key) const { read_.insert(key); }
+  /// All that there is, in the order of keys. Counts nothing as read.
+  std::vector<Member> members() const;
   /// What has not been read, but for values that say nothing: null, false, zeros, "", empty lists.
   std::vector<Member> rest() const;
 
@@ -54,6 +56,11 @@ class StatedObject {
 
 /// Letters in lower case and digits alone: what keys are compared by.
 std::string plain_key(std::string_view key);
+
+/// Whether a key is of words of `heads` and `others` alone, one of them of `heads`: "frameIndex"
+/// and "frame_idx" are of {frame} and {index, idx}.
+bool is_of_words(std::string_view key, const std::set<std::string>& heads,
+                 const std::set<std::string>& others);
 
 /// Adds the keys of lists and objects that were not read to `unread`. Errors: InputError that names
 /// the key where it speaks of a lens or of a pose: the camera is another one without it.

@@ -193,7 +193,10 @@ Similarity usable_from_stated(const std::vector<Camera>& cameras, const PointClo
 std::string stated_world_text(const Similarity& prepared_from_source) {
   if (prepared_from_source.is_identity()) return "";
   const Similarity source_from_prepared = inverse(prepared_from_source);
-  const dvec3& centre = source_from_prepared.translation;
+  constexpr double kRounding = 1e-9;  // prepared units: no distance
+  dvec3 centre = source_from_prepared.translation;
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(centre[i]) * prepared_from_source.scale < kRounding) centre[i] = 0;
   return fmt::format(
       "the world of the poses is scaled by {:.6g} and has its origin at ({:.6g}, {:.6g}, {:.6g}); "
       "exports lead back",

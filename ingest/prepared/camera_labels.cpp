@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "ingest/images/image_names.h"
 
 namespace tessera {
 namespace {
@@ -62,6 +65,17 @@ std::string last_number(const std::string& stem) {
 
 }  // namespace
 
+std::string camera_key_of(const StatedObject& entry) {
+  for (const auto& [key, value] : entry.members()) {
+    if (!is_of_words(key, {"camera", "cam"}, {"id", "idx", "index", "name", "number", "no"}))
+      continue;
+    if (!value->is_string() && !value->is_number_integer()) continue;
+    entry.take(key);
+    return value->is_string() ? value->get<std::string>() : value->dump();
+  }
+  return "";
+}
+
 std::vector<CameraLabels> camera_labels(const std::vector<std::string>& names) {
   CameraLabels folders = folder_labels(names), before_number, both, whole, last;
   for (size_t i = 0; i < names.size(); ++i) {
@@ -74,18 +88,6 @@ std::vector<CameraLabels> camera_labels(const std::vector<std::string>& names) {
   }
   return {std::move(folders), std::move(before_number), std::move(both), std::move(whole),
           std::move(last)};
-}
-
-std::vector<NumberedName> numbered_names(const std::vector<std::string>& names) {
-  const CameraLabels folders = folder_labels(names);
-  std::vector<NumberedName> numbered;
-  for (size_t i = 0; i < names.size(); ++i) {
-    const auto parsed = parse_stem(file_stem(names[i]));
-    numbered.push_back(parsed
-                           ? NumberedName{joined_label(folders[i], parsed->camera), parsed->number}
-                           : NumberedName{joined_label(folders[i], file_stem(names[i])), -1});
-  }
-  return numbered;
 }
 
 }  // namespace tessera

@@ -78,9 +78,20 @@ std::string removed_models(const Capture& scene) {
 /// Which pixels the source's masks ignored.
 const char* applied_masks(const Capture& scene) {
   if (std::all_of(scene.frames.begin(), scene.frames.end(),
-                  [](const CaptureFrame& frame) { return frame.mask_path.empty(); }))
+                  [](const CaptureFrame& frame) { return frame.mask.empty(); }))
     return "none";
   return scene.inverted_masks ? "white ignored (inverted)" : "black ignored";
+}
+
+/// What became of the pixels beside those of the undistorted images.
+const char* applied_crop(const Capture& scene, const std::string& removed) {
+  if (removed == "none") return "none";
+  const auto full = std::count_if(
+      scene.frames.begin(), scene.frames.end(),
+      [](const CaptureFrame& frame) { return frame.field_of_view == FieldOfView::kFull; });
+  if (full == 0) return "zoomed to valid pixels";
+  return size_t(full) == scene.frames.size() ? "blank pixels masked"
+                                             : "zoomed to valid pixels, or blank pixels masked";
 }
 
 std::string hash_of(const Capture& scene, const std::filesystem::path& video) {
@@ -115,6 +126,7 @@ SceneClip scene_clip(const Capture& scene, const RigClip& clip, const CaptureCam
     kept.split = frame.frame.split;
     kept.prepared = frame.frame.camera;
     kept.mask_path = frame.mask_path;
+    kept.field_of_view = frame.field_of_view;
     kept.ticks.push_back(*frame.ticks);
   }
   return kept;
@@ -149,7 +161,7 @@ ordered_json tessera_json(const Capture& scene) {
           {"applied",
            {{"scale", scene.scale},
             {"undistortion", removed},
-            {"crop", removed == "none" ? "none" : "zoomed to valid pixels"},
+            {"crop", applied_crop(scene, removed)},
             {"tone_map", scene.tone_map},
             {"world_transform", world_transform_json(scene.prepared_from_source)},
             {"background", scene.background},

@@ -173,6 +173,7 @@ ordered_json to_json(const SceneClip& clip) {
   entry["ticks"] = runs_json(clip.ticks);
   entry["stored"] = intrinsics_json(clip.stored);
   entry["lens"] = lens_json(clip);
+  entry["field_of_view"] = name_of(clip.field_of_view);
   entry["scale"] = clip.scale;
   return entry;
 }
@@ -198,6 +199,10 @@ SceneClip scene_clip_of(const json& entry, const std::string& where) {
                         std::accumulate(clip.bytes.begin(), clip.bytes.end(), int64_t{0}), where);
   read_intrinsics(entry.value("stored", json()), where, clip.stored);
   read_lens(entry, where, clip);
+  const std::string view = entry.value("field_of_view", name_of(FieldOfView::kValid));
+  if (view != name_of(FieldOfView::kFull) && view != name_of(FieldOfView::kValid))
+    refuse(where, "field_of_view");
+  if (view == name_of(FieldOfView::kFull)) clip.field_of_view = FieldOfView::kFull;
   clip.scale = finite_number(entry, "scale", where).value_or(1);
   if (!(clip.scale > 0 && clip.scale <= 1)) refuse(where, "scale");
   read_intrinsics(entry, where, clip.prepared);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/poses/lens.h"
+#include "ingest/poses/pinhole_view.h"
 #include "ingest/scene.h"
 #include "ingest/video/clip.h"
 
@@ -28,8 +28,9 @@ struct SceneClip {
   Camera stored;               // of the images as the video has them, without pose
   Lens lens;
   std::string lens_model = "PINHOLE";
-  double scale = 1;       // prepared size by stored size
-  Camera prepared;        // of the scene's images, with its pose
+  FieldOfView field_of_view = FieldOfView::kValid;  // kFull or kValid
+  double scale = 1;                                 // prepared size by stored size
+  Camera prepared;                                  // of the scene's images, with its pose
   std::string mask_path;  // below the scene's folder, of all frames; empty: all pixels are used
 
   /// Seconds on the rig's clock.

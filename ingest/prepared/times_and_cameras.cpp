@@ -49,7 +49,7 @@ std::vector<UngroupedFrame> ungrouped(const TransformsCapture& capture,
   for (size_t i = 0; i < views.size(); ++i) {
     const TransformsFrame& frame = capture.frames[i];
     frames.push_back({frame.name, frame.camera_name, frame.camera_is_stated, frame.split,
-                      *frame.time, views[i]});
+                      *frame.time, views[i], frame.camera_key});
   }
   return frames;
 }

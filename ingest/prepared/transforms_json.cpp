@@ -13,6 +13,7 @@
 #include "ingest/images/image_index.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/poses/transforms_values.h"
+#include "ingest/prepared/camera_labels.h"
 #include "ingest/prepared/clip_frame_list.h"
 #include "ingest/prepared/frame_times.h"
 #include "ingest/prepared/times_and_cameras.h"
@@ -109,6 +110,7 @@ TransformsFrame parse_frame(const json& values, size_t index, const FileOfFrames
   frame.name = name_of_frame(file_path, frame.image, folder);
   frame.time = stated_time(entry);
   frame.other_times = other_times_of(entry);
+  frame.camera_key = camera_key_of(entry);
   if (file.images == Images::kListed)
     frame.lens = stated_lens(entry, file.values);
   else

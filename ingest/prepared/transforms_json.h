@@ -28,6 +28,7 @@ struct TransformsFrame {
   std::string name;             // file_path without "./", ".." and extension; unique
   std::string camera_name;
   bool camera_is_stated = false;  // in a `tessera` object
+  std::string camera_key;         // under a key like `camera_id`; empty: none
   int64_t frame_number = 0;
   Split split = Split::kTrain;
   std::optional<double> time;  // capture's own unit; normalised already in a prepared scene

@@ -7,13 +7,6 @@
 namespace tessera {
 namespace {
 
-/// Images of one number are of one timestep unless a method is stated.
-SyncOptions sync_of(const Capture& capture, SyncOptions sync) {
-  const bool of_images = !capture.clips.front().images.empty();
-  if (of_images && sync.method == SyncMethod::kAuto) sync.method = SyncMethod::kNone;
-  return sync;
-}
-
 CaptureCamera camera_of(const RigClip& clip, const ClipClock& clock) {
   CaptureCamera camera{.name = clip.name, .time_base = clip.timeline.time_base};
   camera.time_offset = clock.offset;
@@ -28,9 +21,9 @@ CaptureCamera camera_of(const RigClip& clip, const ClipClock& clock) {
 
 Capture align_clocks(Capture capture, const StepContext& context) {
   if (capture.clips.empty() || !capture.frames.empty()) return capture;  // a moving camera has some
-  const ClipClocks clocks =
-      synchronise(capture.clips, sync_of(capture, context.options.sync), context.progress);
+  const ClipClocks clocks = synchronise(capture.clips, context.options.sync, context.progress);
   capture.warnings.insert(capture.warnings.end(), clocks.warnings.begin(), clocks.warnings.end());
+  capture.notes.insert(capture.notes.end(), clocks.notes.begin(), clocks.notes.end());
   if (capture.clips.size() > 1)
     capture.notes.push_back(clock_note(clip_names(capture), clocks.clocks));
   for (size_t i = 0; i < capture.clips.size(); ++i)

@@ -28,7 +28,7 @@ class VideoClipReader : public ClipReader {
             const std::function<void(size_t, Image8)>& on_image) const override {
     check_source(clip);
     const ImagePreparation preparation(
-        clip.stored, clip.lens,
+        clip.stored, clip.lens, clip.field_of_view,
         fmt::format("{} ({})", clip.files.front().string(), clip.lens_model), clip.scale);
     prepare_clip_images(
         rig_clip_of(clip), ticks, preparation, [](const VideoFrame&) {}, on_image);

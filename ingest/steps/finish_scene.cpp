@@ -6,6 +6,7 @@
 
 #include "ingest/checks/camera_table.h"
 #include "ingest/checks/camera_warnings.h"
+#include "ingest/checks/coverage.h"
 #include "ingest/checks/exposure.h"
 #include "ingest/checks/thinned_scene.h"
 #include "ingest/cloud/initial_cloud.h"
@@ -115,7 +116,10 @@ Capture finish_scene(Capture capture, const StepContext& context) {
   write_prepared_scene(folder, capture);  // read by the next two
   if (options.fit_exposure) even_exposure(folder, capture, context.progress);
   add_initial_cloud(folder, options, context.progress, capture);
-  warn_of_few_cameras(capture);
+  if (const auto cameras = cameras_of_a_rig(capture); cameras && *cameras < kFewTrainingCameras) {
+    const Finding few = few_cameras(*cameras);
+    capture.warnings.push_back(few.measured + "; " + few.advice);
+  }
   capture.has_points = !capture.points.position.empty();
   if (capture.has_points) write_points(folder / "points.ply", capture.points);
   write_prepared_scene(folder, capture);

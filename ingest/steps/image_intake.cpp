@@ -28,38 +28,36 @@ bool is_transparent(const Image8& image) {
   return true;
 }
 
+}  // namespace
+
 /// "12 of Display P3, 3 of Adobe RGB"; "" where no image has one.
-std::string profiles_text(const std::vector<std::string>& names) {
+std::string ImageIntake::profiles_text(std::string Image::*name) const {
   std::map<std::string, int64_t> counts;
-  for (const std::string& name : names)
-    if (!name.empty()) ++counts[name];
+  for (const Image& image : images_)
+    if (!(image.*name).empty()) ++counts[image.*name];
   std::string text;
-  for (const auto& [name, count] : counts)
-    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", count, name);
+  for (const auto& [profile, count] : counts)
+    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", count, profile);
   return text;
 }
 
-}  // namespace
-
 std::optional<Image8> ImageIntake::read(size_t index, const std::filesystem::path& file, int width,
                                         int height) {
+  Image& known = images_[index];
   try {
     SourceImage source = read_source_image(file);
-    if (source.tone_mapped) tone_mapped_ = true;
-    if (source.image.channels == 4) had_alpha_ = true;
-    converted_[index] = source.converted;
-    unconverted_[index] = source.unconverted;
-    is_empty_[index] = is_transparent(source.image);
+    known.tone_mapped = source.tone_mapped;
+    known.had_alpha = source.image.channels == 4;
+    known.converted = source.converted;
+    known.unconverted = source.unconverted;
+    known.is_empty = is_transparent(source.image);
     if (width == 0 || height == 0) {
       width = source.image.width;
       height = source.image.height;
     }
-    bool doubtful = false;
-    Image8 image = image_as_posed(std::move(source), width, height, doubtful);
-    doubtful_[index] = doubtful;
-    return image;
+    return image_as_posed(std::move(source), width, height, known.doubtful);
   } catch (const InputError& error) {
-    unreadable_[index] = error.what();
+    known.unreadable = error.what();
     return std::nullopt;
   }
 }
@@ -67,15 +65,22 @@ std::optional<Image8> ImageIntake::read(size_t index, const std::filesystem::pat
 void ImageIntake::finish(bool strict, Capture& capture) const {
   std::vector<std::string> reasons, doubtful;
   std::vector<CaptureFrame> kept;
-  for (size_t i = 0; i < unreadable_.size(); ++i) {
-    if (!unreadable_[i].empty()) reasons.push_back(unreadable_[i]);
+  int64_t empty = 0;
+  for (size_t i = 0; i < images_.size(); ++i) {
+    const Image& image = images_[i];
     CaptureFrame& frame = capture.frames[i];
-    if (doubtful_[i]) doubtful.push_back(frame.source.name);
-    if (unreadable_[i].empty()) kept.push_back(std::move(frame));
+    empty += image.is_empty;
+    if (image.tone_mapped) capture.tone_map = kToneMap;
+    if (image.had_alpha) capture.background = "alpha kept";
+    if (image.doubtful) doubtful.push_back(frame.source.name);
+    if (image.unreadable.empty())
+      kept.push_back(std::move(frame));
+    else
+      reasons.push_back(image.unreadable);
   }
-  if (!reasons.empty() && (strict || reasons.size() == unreadable_.size()))
+  if (!reasons.empty() && (strict || reasons.size() == images_.size()))
     throw InputError(fmt::format("{} ({} of {} images cannot be read{})", reasons.front(),
-                                 reasons.size(), unreadable_.size(),
+                                 reasons.size(), images_.size(),
                                  strict ? "; without --strict they are left out" : ""));
   for (const std::string& reason : reasons) capture.warnings.push_back("image left out: " + reason);
   if (!doubtful.empty())
@@ -83,21 +88,20 @@ void ImageIntake::finish(bool strict, Capture& capture) const {
         "{} images have an EXIF rotation that their size does not tell from none; they are taken "
         "as stored, as COLMAP takes them: {}",
         doubtful.size(), listed_names(doubtful)));
-  const auto empty = std::count(is_empty_.begin(), is_empty_.end(), char{1});
-  if (2 * empty > int64_t(is_empty_.size()))
+  if (2 * empty > int64_t(images_.size()))
     throw InputError(fmt::format(
         "{}: {} of {} images are transparent throughout, so that nothing of them would count; "
         "write them without alpha, or with that of what is to be seen",
-        capture.folder.string(), empty, is_empty_.size()));
+        capture.folder.string(), empty, images_.size()));
   if (empty > 0)
     capture.warnings.push_back(
         fmt::format("{}: {} images are transparent throughout", capture.folder.string(), empty));
-  if (const std::string text = profiles_text(converted_); !text.empty()) {
+  if (const std::string text = profiles_text(&Image::converted); !text.empty()) {
     capture.notes.push_back(fmt::format("{}: colours of images are converted to sRGB: {}",
                                         capture.folder.string(), text));
-    capture.tone_map = "ICC profile to sRGB";
+    if (capture.tone_map == "none") capture.tone_map = "ICC profile to sRGB";
   }
-  if (const std::string text = profiles_text(unconverted_); !text.empty())
+  if (const std::string text = profiles_text(&Image::unconverted); !text.empty())
     capture.warnings.push_back(
         fmt::format("{}: colour profiles of a kind that is not read, so that colours are taken as "
                     "sRGB: {}; convert these images to sRGB",
@@ -109,8 +113,6 @@ void ImageIntake::finish(bool strict, Capture& capture) const {
     throw InputError(fmt::format(
         "{} (no image of the split 'train' is left; restore some of them, or hold fewer out)",
         reasons.empty() ? "all images are held out" : reasons.front()));
-  if (had_alpha_) capture.background = "alpha kept";
-  if (tone_mapped_) capture.tone_map = kToneMap;
 }
 
 }  // namespace tessera

@@ -1,7 +1,6 @@
 // Reads the images of a photo set, and records which are unreadable and how the others were
 // changed.
 #pragma once
-#include <atomic>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,12 +14,7 @@ namespace tessera {
 /// Member functions of different `index` may be called at once.
 class ImageIntake {
  public:
-  explicit ImageIntake(size_t count)
-      : unreadable_(count),
-        doubtful_(count),
-        converted_(count),
-        unconverted_(count),
-        is_empty_(count) {}
+  explicit ImageIntake(size_t count) : images_(count) {}
 
   /// The image in the order of pixels that a camera of width × height describes (0 × 0: as
   /// stored); nothing where it cannot be read.
@@ -34,11 +28,16 @@ class ImageIntake {
   void finish(bool strict, Capture& capture) const;
 
  private:
-  std::vector<std::string> unreadable_;  // why; empty where it was read
-  std::vector<char> doubtful_;           // its EXIF orientation may belong to the pose or not
-  std::vector<std::string> converted_, unconverted_;  // names of colour profiles; empty: sRGB
-  std::vector<char> is_empty_;                        // nothing of it is opaque
-  std::atomic<bool> tone_mapped_{false}, had_alpha_{false};
+  struct Image {
+    std::string unreadable;              // why; empty where it was read
+    std::string converted, unconverted;  // names of colour profiles; empty: sRGB
+    bool doubtful = false;               // its EXIF orientation may belong to the pose or not
+    bool is_empty = false;               // nothing of it is opaque
+    bool tone_mapped = false, had_alpha = false;
+  };
+  std::string profiles_text(std::string Image::*name) const;
+
+  std::vector<Image> images_;
 };
 
 }  // namespace tessera

@@ -18,7 +18,6 @@ extern "C" {
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/layouts/unread_files.h"
 #include "ingest/prepared/transforms_json.h"
-#include "ingest/steps/alike_warnings.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
@@ -54,8 +53,10 @@ void take_sample(IngestOptions& options) {
   options.cloud_points = std::min(options.cloud_points, kMostPoints);
 }
 
-/// Numbers of images become seconds by --fps, which is then used up.
+/// Numbers of images become seconds by --fps, which is then used up; those of one number are of one
+/// timestep unless a method is stated.
 void take_image_rate(IngestOptions& options) {
+  if (options.sync.method == SyncMethod::kAuto) options.sync.method = SyncMethod::kNone;
   if (options.image_rate) return;
   options.image_rate = options.fps.value_or(kImageRate);
   options.fps.reset();
@@ -70,9 +71,8 @@ void name_unread_files(const IngestOptions& options, Capture& capture) {
 }
 
 Capture name_unused_masks(Capture capture, const StepContext&) {
-  const bool has_masks =
-      std::any_of(capture.frames.begin(), capture.frames.end(),
-                  [](const CaptureFrame& frame) { return !frame.mask_path.empty(); });
+  const bool has_masks = std::any_of(capture.frames.begin(), capture.frames.end(),
+                                     [](const CaptureFrame& frame) { return !frame.mask.empty(); });
   if (has_masks) return capture;
   if (std::string line = unused_masks(capture.folder); !line.empty())
     capture.warnings.push_back(std::move(line));
@@ -94,9 +94,7 @@ IngestReport report_of(Capture capture, CaptureLayout layout) {
   for (const CaptureFrame& frame : capture.frames) test_views.add(frame.frame);
   report.test_views = test_views.count();
   report.scored = test_views.text();
-  std::vector<std::string> cameras;
-  for (const CaptureCamera& camera : capture.cameras) cameras.push_back(camera.name);
-  report.warnings = merged_alike(capture.warnings, cameras);
+  report.warnings = std::move(capture.warnings);
   report.notes = std::move(capture.notes);
   report.camera_table = std::move(capture.camera_table);
   return report;

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 
-#include "ingest/checks/mixed_colours.h"
+#include "ingest/checks/odd_cameras.h"
 #include "ingest/clocks/frame_rates.h"
 #include "ingest/clocks/frame_window.h"
 #include "ingest/clocks/limiting_cameras.h"
+#include "ingest/test_views.h"
 #include "ingest/video/clip_mistakes.h"
+#include "ingest/video/frame_colour.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -33,9 +35,7 @@ void check_start_of_longest(const Capture& capture, const IngestOptions& options
 void check_lengths(const Capture& capture, const IngestOptions& options) {
   const SyncOptions& sync = options.sync;
   if (capture.posed || !sync.offsets.empty()) return;
-  const bool of_images = !capture.clips.front().images.empty();
-  const bool one_clock =
-      sync.method == SyncMethod::kNone || (of_images && sync.method == SyncMethod::kAuto);
+  const bool one_clock = sync.method == SyncMethod::kNone;
   std::vector<std::vector<double>> seconds;
   for (const RigClip& clip : capture.clips) {
     const double origin = one_clock ? 0 : clip.timeline.seconds(0);
@@ -49,18 +49,13 @@ void check_lengths(const Capture& capture, const IngestOptions& options) {
       capture.folder.string());
 }
 
-void warn_of_rates(Capture& capture) {
-  std::vector<double> frame_seconds;
-  for (const RigClip& clip : capture.clips) frame_seconds.push_back(clip.timeline.frame_seconds);
-  const std::string warning = rate_warning(clip_names(capture), frame_seconds);
-  if (!warning.empty()) capture.warnings.push_back(warning);
-}
-
-void warn_of_colours(Capture& capture) {
-  std::vector<FrameColour> colours;
-  for (const RigClip& clip : capture.clips) colours.push_back(clip.timeline.colour);
-  const std::string warning = mixed_colours(clip_names(capture), colours);
-  if (!warning.empty()) capture.warnings.push_back(warning);
+/// One line for all cameras of which `is` holds.
+template <class Is>
+void warn_of_cameras(const Is& is, const char* what, Capture& capture) {
+  std::vector<std::string> names;
+  for (const RigClip& clip : capture.clips)
+    if (is(clip.timeline)) names.push_back(clip.name);
+  if (!names.empty()) capture.warnings.push_back(fmt::format("{}: {}", listed_names(names), what));
 }
 
 /// Where no camera limits the clip more than others: what is lost as they do not begin or end
@@ -92,12 +87,34 @@ void warn_of_ends(const std::vector<std::vector<double>>& timesteps, const TimeI
 void check_clips(Capture& capture, const IngestOptions& options) {
   check_start_of_longest(capture, options);
   check_lengths(capture, options);
-  warn_of_rates(capture);
-  warn_of_colours(capture);
-  for (std::string& line : copied_clips(capture.clips)) capture.warnings.push_back(std::move(line));
-  std::string shifted = shifted_numbers(capture.clips);
-  if (!shifted.empty() && options.sync.offsets.empty())
-    capture.warnings.push_back(std::move(shifted));
+  const std::vector<std::string> names = clip_names(capture);
+  std::vector<double> frame_seconds;
+  std::vector<std::string> colours;
+  for (const RigClip& clip : capture.clips) {
+    frame_seconds.push_back(clip.timeline.frame_seconds);
+    colours.push_back(colour_name(clip.timeline.colour));
+  }
+  std::vector<std::string> lines = copied_clips(capture.clips);
+  if (const std::string odd = odd_cameras(names, rate_texts(frame_seconds), "has"); !odd.empty())
+    lines.push_back(odd +
+                    ": each frame keeps its own time, but fewer timesteps are seen by all "
+                    "cameras; film at one rate");
+  if (options.fps) lines.push_back(fps_warning(*options.fps, frame_seconds));
+  if (const std::string odd = odd_cameras(names, colours, "is"); !odd.empty())
+    lines.push_back(odd +
+                    ": all become sRGB, but cameras render what they film in different ways; "
+                    "film with one setting");
+  if (options.sync.offsets.empty()) lines.push_back(shifted_numbers(capture.clips));
+  for (std::string& line : lines)
+    if (!line.empty()) capture.warnings.push_back(std::move(line));
+  warn_of_cameras([](const VideoTimeline& clip) { return clip.colour.interlaced; },
+                  "frames are interlaced: they mix the lines of two times, so moving things have "
+                  "combs; deinterlace with `ffmpeg -i IN -vf bwdif -crf 12 OUT`",
+                  capture);
+  warn_of_cameras([](const VideoTimeline& clip) { return clip.has_alpha; },
+                  "alpha is not read, so that what lies below it is trained; export the frames as "
+                  "PNG, which keep it",
+                  capture);
 }
 
 std::vector<std::vector<size_t>> kept_frames(Capture& capture, const FrameWindow& window,

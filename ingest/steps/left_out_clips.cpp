@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "ingest/poses/pinhole_view.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
@@ -19,13 +20,13 @@ void leave_out_clips(const std::string& seen, const std::string& refusal,
       fmt::format("{}; the scene is made of the other {} cameras", seen, capture.clips.size()));
 }
 
-void leave_out_bad_lenses(bool strict, Capture& capture) {
+void leave_out_bad_lenses(const IngestOptions& options, Capture& capture) {
   std::string first;
   std::vector<std::string> bad;
   std::vector<char> good;
   for (const RigClip& clip : capture.clips) try {
-      undistorted_camera(clip.camera->camera, clip.camera->lens,
-                         fmt::format("{} ({})", clip.video.string(), clip.camera->lens_model));
+      pinhole_view(clip.camera->camera, clip.camera->lens, options.field_of_view,
+                   fmt::format("{} ({})", clip.video.string(), clip.camera->lens_model));
       good.push_back(1);
     } catch (const InputError& error) {
       if (bad.empty()) first = error.what();
@@ -35,7 +36,7 @@ void leave_out_bad_lenses(bool strict, Capture& capture) {
   if (bad.empty()) return;
   const std::string seen =
       bad.size() == 1 ? first : fmt::format("{} (likewise: {})", first, listed_names(bad));
-  leave_out_clips(seen, seen + ", or leave it out with --cameras", good, strict, capture);
+  leave_out_clips(seen, seen + ", or leave it out with --cameras", good, options.strict, capture);
 }
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "ingest/capture/capture.h"
+#include "ingest/ingest.h"
 
 namespace tessera {
 
@@ -12,7 +13,7 @@ namespace tessera {
 void leave_out_clips(const std::string& seen, const std::string& refusal,
                      const std::vector<char>& keep, bool strict, Capture& capture);
 
-/// Leaves out the clips, all posed, whose lens has no undistorted image (lens.h), as above.
-void leave_out_bad_lenses(bool strict, Capture& capture);
+/// Leaves out the clips, all posed, whose lens has no undistorted image (pinhole_view.h), as above.
+void leave_out_bad_lenses(const IngestOptions& options, Capture& capture);
 
 }  // namespace tessera

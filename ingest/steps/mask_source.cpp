@@ -64,6 +64,10 @@ Image8 read_mask(const std::filesystem::path& file, int width, int height,
   return mask;
 }
 
+Image8 whole_mask(int width, int height) {
+  return {width, height, 1, std::vector<uint8_t>(size_t(width) * size_t(height), 255)};
+}
+
 Image8 undistorted_mask(const Image8& mask, const Camera& camera, const Lens& lens,
                         const Camera& pinhole) {
   if (lens.is_pinhole()) return mask;
@@ -109,9 +113,8 @@ Capture find_masks(Capture capture, const StepContext& context) {
 
 Capture check_masks(Capture capture, const StepContext& context) {
   const IngestOptions& options = context.options;
-  const auto without =
-      std::count_if(capture.frames.begin(), capture.frames.end(),
-                    [](const CaptureFrame& frame) { return frame.mask_path.empty(); });
+  const auto without = std::count_if(capture.frames.begin(), capture.frames.end(),
+                                     [](const CaptureFrame& frame) { return frame.mask.empty(); });
   capture.inverted_masks = options.invert_masks;
   const bool none = size_t(without) == capture.frames.size();
   if (!options.masks.empty() && none)

@@ -17,6 +17,8 @@ namespace tessera {
 /// the file.
 Image8 read_mask(const std::filesystem::path& file, int width, int height,
                  const IngestOptions& options, std::atomic<int64_t>& object_masks);
+/// All pixels are used.
+Image8 whole_mask(int width, int height);
 /// A line about so many masks of object numbers; none without any.
 void note_object_masks(int64_t count, Capture& capture);
 /// As Undistortion::apply; what lies beyond the image is ignored.

@@ -142,9 +142,9 @@ void fit_sizes(std::vector<RigClip>& clips) {
 }
 
 /// The world is that of the calibration, and so are its points; without any, those of the folder.
-void take_poses(StatedCameras stated, bool strict, Capture& capture) {
+void take_poses(StatedCameras stated, const IngestOptions& options, Capture& capture) {
   fit_sizes(capture.clips);
-  leave_out_bad_lenses(strict, capture);
+  leave_out_bad_lenses(options, capture);
   capture.origin = stated.origin;
   take_origin_out(capture);
   capture.posed = true;
@@ -170,7 +170,7 @@ Capture open_clips(Capture capture, const StepContext& context) {
   read_timelines(options, capture);
   note_pixel_aspect(options.poses.lens_model, capture);
   const bool by_row = stated && stated->by_row;
-  if (stated) take_poses(std::move(*stated), options.strict, capture);
+  if (stated) take_poses(std::move(*stated), options, capture);
   hold_out(options, by_row, capture);
   check_clips(capture, options);
   return capture;

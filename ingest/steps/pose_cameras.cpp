@@ -43,7 +43,7 @@ Capture pose_cameras(Capture capture, const StepContext& context) {
                   estimate.reused ? kReused : ""));
   capture.held_out = std::move(estimate.held_out);
   keep_clips(capture, placed);
-  leave_out_bad_lenses(context.options.strict, capture);
+  leave_out_bad_lenses(context.options, capture);
   if (std::all_of(capture.held_out.begin(), capture.held_out.end(), [](char held) { return held; }))
     throw InputError(fmt::format(
         "{}: only held-out cameras could be placed, none is left to train on; name others with "

@@ -30,17 +30,18 @@ void convert_images(size_t count, const IngestProgress& progress,
   }
 }
 
-ImagePreparation::ImagePreparation(const Camera& camera, const Lens& lens, const std::string& where,
-                                   double scale)
-    : stored_(camera), pinhole_(camera), lens_(lens), scale_(scale) {
-  if (lens.is_pinhole()) return;
-  pinhole_ = undistorted_camera(camera, lens, where);
-  undistortion_.emplace(camera, lens, pinhole_);
+ImagePreparation::ImagePreparation(const Camera& camera, const Lens& lens, FieldOfView kept,
+                                   const std::string& where, double scale)
+    : stored_(camera),
+      pinhole_(pinhole_view(camera, lens, kept, where)),
+      lens_(lens),
+      scale_(scale) {
+  if (!lens.is_pinhole()) undistortion_.emplace(camera, lens, pinhole_.camera);
 }
 
 Camera ImagePreparation::camera() const {
-  return pinhole_.resized(scaled_side(pinhole_.width, scale_),
-                          scaled_side(pinhole_.height, scale_));
+  const Camera& pinhole = pinhole_.camera;
+  return pinhole.resized(scaled_side(pinhole.width, scale_), scaled_side(pinhole.height, scale_));
 }
 
 Image8 ImagePreparation::prepared(Image8 image) const {
@@ -50,8 +51,10 @@ Image8 ImagePreparation::prepared(Image8 image) const {
                              : image;  // grey has no alpha: repeated
 }
 
-void ImagePreparation::write_mask(const std::filesystem::path& path, const Image8& mask) const {
-  write_png(path, scaled_mask(undistorted_mask(mask, stored_, lens_, pinhole_), scale_));
+void ImagePreparation::write_mask(const std::filesystem::path& path,
+                                  std::optional<Image8> mask) const {
+  if (!mask) mask = whole_mask(stored_.width, stored_.height);
+  write_png(path, scaled_mask(undistorted_mask(*mask, stored_, lens_, pinhole_.camera), scale_));
 }
 
 }  // namespace tessera

@@ -42,14 +42,16 @@ Camera camera_of_view(const CaptureFrame& frame, const StatedView& view, const I
 void write_image_file(const StatedView& view, Image8 image, const StepContext& context,
                       double scale, std::atomic<int64_t>& object_masks, CaptureFrame& frame) {
   const Camera camera = camera_of_view(frame, view, image);
-  const ImagePreparation preparation(camera, view.lens,
+  const ImagePreparation preparation(camera, view.lens, context.options.field_of_view,
                                      fmt::format("{} ({})", view.where, view.lens_model), scale);
-  if (!frame.mask.empty()) {
+  std::optional<Image8> mask;
+  if (!frame.mask.empty())
+    mask = read_mask(frame.mask, camera.width, camera.height, context.options, object_masks);
+  if (mask || preparation.has_blanks()) {
     frame.mask_path = "masks/" + frame.frame.name + ".png";
-    preparation.write_mask(
-        context.folder / frame.mask_path,
-        read_mask(frame.mask, camera.width, camera.height, context.options, object_masks));
+    preparation.write_mask(context.folder / frame.mask_path, std::move(mask));
   }
+  frame.field_of_view = preparation.kept();
   write_png(context.folder / frame.file_path, preparation.prepared(std::move(image)));
   frame.frame.camera = preparation.camera();
 }
@@ -83,14 +85,17 @@ void write_clip_masks(const RigClip& clip, const std::vector<CaptureFrame*>& fra
   });
   std::map<std::filesystem::path, std::string> written;
   for (CaptureFrame* frame : frames) {
-    if (frame->mask.empty()) continue;
+    frame->field_of_view = preparation.kept();
+    if (frame->mask.empty() && !preparation.has_blanks()) continue;
     const auto [file, is_new] = written.try_emplace(
         frame->mask, fmt::format("masks/{}.png", is_shared ? clip.name : frame->frame.name));
     frame->mask_path = file->second;
-    if (is_new)
-      preparation.write_mask(context.folder / file->second,
-                             read_mask(frame->mask, clip.timeline.width, clip.timeline.height,
-                                       context.options, object_masks));
+    if (!is_new) continue;
+    std::optional<Image8> mask;
+    if (!frame->mask.empty())
+      mask = read_mask(frame->mask, clip.timeline.width, clip.timeline.height, context.options,
+                       object_masks);
+    preparation.write_mask(context.folder / file->second, std::move(mask));
   }
 }
 
@@ -104,7 +109,7 @@ void write_clip(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
                 const StepContext& context, std::atomic<int64_t>& object_masks, Capture& capture,
                 int64_t& done, FrozenFrames& frozen) {
   const RigCamera& stored = *clip.camera;
-  const ImagePreparation preparation(stored.camera, stored.lens,
+  const ImagePreparation preparation(stored.camera, stored.lens, context.options.field_of_view,
                                      clip.video.string() + " (" + stored.lens_model + ")",
                                      capture.scale);
   std::string tone_map = tone_map_of(clip.timeline.colour);

@@ -41,8 +41,8 @@ void require_alike(const RigClip& clip, const VideoTimeline& first, const fs::pa
 /// A line where the containers' clocks state another distance of the chapters than `shift`.
 std::string clock_warning(const VideoTimeline& whole, const VideoTimeline& next, int64_t shift,
                           const fs::path& file) {
-  if (!whole.clock || !next.clock || *whole.clock == *next.clock) return "";
-  const double gap = *next.clock - *whole.clock - whole.time_base.at(shift);
+  if (!whole.clock || !next.clock || whole.clock->seconds == next.clock->seconds) return "";
+  const double gap = next.clock->since(*whole.clock) - whole.time_base.at(shift);
   if (std::abs(gap) < 1.5 * whole.frame_seconds) return "";
   return fmt::format(
       "{}: begins {:.3f} s {} the chapter before it ends, by their clocks; it is joined to it "

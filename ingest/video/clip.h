@@ -49,20 +49,31 @@ struct ChapterStart {
   int64_t shift = 0;  // ticks that are added to those of the file
 };
 
+/// A time that a container states.
+struct ContainerClock {
+  double seconds = 0;  // since any common origin
+  double day = 0;      // of a timecode: after so many seconds it restarts; 0: never
+  /// Seconds since `other`, by the shorter way where both restart.
+  double since(const ContainerClock& other) const {
+    const double difference = seconds - other.seconds;
+    return day > 0 && other.day > 0 ? std::remainder(difference, day) : difference;
+  }
+};
+
 /// The presentation times of the frames, and the defects of their clock.
 struct VideoTimeline {
-  int width = 0, height = 0;    // of the upright image: a rotation flag is undone
-  double pixel_aspect = 1;      // width of a pixel by its height, as shown
-  Rational time_base;           // seconds a tick
-  std::vector<int64_t> ticks;   // presentation times of the frames that are shown, increasing
-  double frame_seconds = 0;     // median distance of two frames; 0 for one frame
-  std::optional<double> clock;  // container time of tick 0, seconds since any common origin
-                                // (timecode, creation time); absent where it states none
-  FrameColour colour;           // as the container and the headers state it
+  int width = 0, height = 0;   // of the upright image: a rotation flag is undone
+  double pixel_aspect = 1;     // width of a pixel by its height, as shown
+  Rational time_base;          // seconds a tick
+  std::vector<int64_t> ticks;  // presentation times of the frames that are shown, increasing
+  double frame_seconds = 0;    // median distance of two frames; 0 for one frame
+  std::optional<ContainerClock> clock;  // at tick 0; absent where the container states none
+  FrameColour colour;                   // as the container and the headers state it
   bool has_audio = false;
+  bool has_alpha = false;  // which is not read
   bool truncated = false;  // the file ends before what it states; `ticks` are what is there
   std::vector<std::string> warnings;  // each with the file: gaps, duplicates, truncation, with
-                                      // seconds, and interlaced frames
+                                      // seconds
 
   std::vector<ChapterStart> chapters{};  // one a further file; empty where there is one file
 

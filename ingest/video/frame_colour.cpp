@@ -134,12 +134,6 @@ std::string colour_refusal(const FrameColour& colour) {
       colour.matrix_name, colour.transfer_name);
 }
 
-std::string interlaced_warning(const FrameColour& colour) {
-  if (!colour.interlaced) return "";
-  return "is interlaced: its frames mix the lines of two times, so moving things have combs; "
-         "deinterlace it with `ffmpeg -i IN -vf bwdif -crf 12 OUT`";
-}
-
 std::string colour_name(const FrameColour& colour) {
   const bool wide = colour.primaries == ColourPrimaries::kBt2020;
   switch (colour.transfer) {

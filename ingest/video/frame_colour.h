@@ -19,8 +19,6 @@ FrameColour colour_of(const AVCodecParameters& track);
 /// Why frames of this colour cannot become sRGB, with the ffmpeg command that converts them; empty
 /// where they can. It follows the name of the file.
 std::string colour_refusal(const FrameColour& colour);
-/// The same of interlaced frames, which are used as they are; empty where they are progressive.
-std::string interlaced_warning(const FrameColour& colour);
 /// For people: "SDR", "SDR in BT.2020", "HLG", "PQ".
 std::string colour_name(const FrameColour& colour);
 

@@ -106,13 +106,7 @@ VideoTimeline read_timeline(const std::filesystem::path& path) {
   add(duplicate_warnings(camera, repeated, timeline.time_base));
   const AVPixFmtDescriptor* const pixels =
       av_pix_fmt_desc_get(AVPixelFormat(file.track().codecpar->format));
-  if (pixels != nullptr && (pixels->flags & AV_PIX_FMT_FLAG_ALPHA) != 0)
-    timeline.warnings.push_back(fmt::format(
-        "{} has alpha, which is not read, so that what lies below it is trained; export its frames "
-        "as PNG, which keep it",
-        camera));
-  if (const std::string warning = interlaced_warning(timeline.colour); !warning.empty())
-    timeline.warnings.push_back(fmt::format("{} {}", camera, warning));
+  timeline.has_alpha = pixels != nullptr && (pixels->flags & AV_PIX_FMT_FLAG_ALPHA) != 0;
   return timeline;
 }
 
@@ -124,13 +118,18 @@ Rational timecode_rate(const Rational& frames, double counts) {
   return {frames.numerator, frames.denominator * whole};
 }
 
-std::optional<double> timecode_seconds(const std::string& timecode, const Rational& rate) {
+std::optional<ContainerClock> timecode_clock(const std::string& timecode, const Rational& rate) {
   if (rate.numerator <= 0 || rate.denominator <= 0) return std::nullopt;
-  AVTimecode read{};
   const AVRational frames{int(rate.numerator), int(rate.denominator)};
-  if (av_timecode_init_from_string(&read, frames, timecode.c_str(), nullptr) < 0)
-    return std::nullopt;
-  return double(read.start) * double(rate.denominator) / double(rate.numerator);
+  const auto seconds_of = [&](const std::string& text) -> std::optional<double> {
+    AVTimecode read{};
+    if (av_timecode_init_from_string(&read, frames, text.c_str(), nullptr) < 0) return std::nullopt;
+    return double(read.start) * double(rate.denominator) / double(rate.numerator);
+  };
+  const auto seconds = seconds_of(timecode);
+  if (!seconds) return std::nullopt;
+  const bool drops = timecode.find_first_of(";.") != std::string::npos;
+  return ContainerClock{*seconds, seconds_of(drops ? "24:00:00;00" : "24:00:00:00").value_or(0)};
 }
 
 std::optional<double> creation_seconds(const std::string& creation_time) {
@@ -143,8 +142,8 @@ std::optional<double> creation_seconds(const std::string& creation_time) {
   return double(microseconds) * 1e-6;
 }
 
-std::optional<double> container_clock(const VideoFile& file, int64_t first_ticks,
-                                      int64_t median_ticks) {
+std::optional<ContainerClock> container_clock(const VideoFile& file, int64_t first_ticks,
+                                              int64_t median_ticks) {
   const AVRational frames = frame_rate(file.track(), file.seconds(median_ticks));
   Rational rate{frames.num, frames.den};
   const AVFormatContext& format = file.format();
@@ -152,9 +151,10 @@ std::optional<double> container_clock(const VideoFile& file, int64_t first_ticks
     if (format.streams[i]->codecpar->codec_tag == MKTAG('t', 'm', 'c', 'd'))
       rate = timecode_rate(rate, av_q2d(format.streams[i]->avg_frame_rate));
   if (const auto timecode = find_tag(file, "timecode"))
-    if (const auto seconds = timecode_seconds(*timecode, rate))
-      return *seconds - file.seconds(first_ticks);
-  if (const auto created = find_tag(file, "creation_time")) return creation_seconds(*created);
+    if (const auto clock = timecode_clock(*timecode, rate))
+      return ContainerClock{clock->seconds - file.seconds(first_ticks), clock->day};
+  if (const auto created = find_tag(file, "creation_time"))
+    if (const auto seconds = creation_seconds(*created)) return ContainerClock{*seconds};
   return std::nullopt;
 }
 

@@ -20,14 +20,14 @@ class VideoFile;
 /// do with each other.
 Rational timecode_rate(const Rational& frames, double counts);
 
-/// Seconds of a timecode HH:MM:SS:FF (drop-frame with ; before FF) counted at `rate` frames/s.
-std::optional<double> timecode_seconds(const std::string& timecode, const Rational& rate);
+/// The time of a timecode HH:MM:SS:FF (drop-frame with ; before FF) counted at `rate` frames/s.
+std::optional<ContainerClock> timecode_clock(const std::string& timecode, const Rational& rate);
 /// Seconds since 1970 of a creation time with digits below the second that are not all 0.
 std::optional<double> creation_seconds(const std::string& creation_time);
 
 /// The time at tick 0. A timecode is that of the first frame shown, at `first_ticks`; a creation
 /// time is that of tick 0. `median_ticks`: the median distance of frames.
-std::optional<double> container_clock(const VideoFile& file, int64_t first_ticks,
-                                      int64_t median_ticks);
+std::optional<ContainerClock> container_clock(const VideoFile& file, int64_t first_ticks,
+                                              int64_t median_ticks);
 
 }  // namespace tessera

@@ -14,6 +14,7 @@
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
+#include "tools/cli/backend_options.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/terminal.h"
@@ -25,19 +26,6 @@ namespace {
 template <class Value>
 using Words = std::vector<std::pair<const char*, Value>>;
 
-const Words<SyncMethod> kSyncWords{{"audio", SyncMethod::kAudio},
-                                   {"auto", SyncMethod::kAuto},
-                                   {"container", SyncMethod::kContainer},
-                                   {"motion", SyncMethod::kMotion},
-                                   {"none", SyncMethod::kNone}};
-const Words<ImageLayout> kLayoutWords{
-    {"moving", ImageLayout::kMoving}, {"photos", ImageLayout::kPhotos}, {"rig", ImageLayout::kRig}};
-const Words<CloudDensity> kCloudWords{{"dense", CloudDensity::kDense},
-                                      {"none", CloudDensity::kNone},
-                                      {"sparse", CloudDensity::kSparse}};
-const Words<FramesAs> kFramesWords{{name_of(FramesAs::kPng), FramesAs::kPng},
-                                   {name_of(FramesAs::kVideo), FramesAs::kVideo},
-                                   {name_of(FramesAs::kAuto), FramesAs::kAuto}};
 const Words<bool> kIntrinsicsWords{{"per-camera", true}, {"shared", false}};
 const Words<PoseSource::Kind> kPoseWords{{"", PoseSource::kFound},
                                          {"colmap", PoseSource::kColmap},
@@ -60,12 +48,11 @@ Value value_of(const Words<Value>& words, const std::string& word, const char* o
       fmt::format("{} is '{}', expected one of {}", option, word, fmt::join(known, ", ")));
 }
 
-template <class Value>
-std::string word_of(const Words<Value>& words, const Value& value) {
-  const auto found = std::find_if(words.begin(), words.end(),
-                                  [&](const auto& row) { return row.second == value; });
-  check(found != words.end(), "a value of an option without a word");
-  return found->first;
+template <class Enum>
+Enum enum_of(const std::string& word, const char* option) {
+  Words<Enum> words;
+  for (const char* name : kEnumNames<Enum>) words.emplace_back(name, Enum(words.size()));
+  return value_of(words, word, option);
 }
 
 /// A word, or a file or folder of cameras.
@@ -76,8 +63,9 @@ PoseSource pose_source(const std::string& word) {
 }
 
 std::string text_of(const PoseSource& source) {
-  return source.kind == PoseSource::kCameras ? source.cameras.string()
-                                             : word_of(kPoseWords, source.kind);
+  for (const auto& [word, kind] : kPoseWords)
+    if (kind == source.kind) return word;
+  return source.cameras.string();
 }
 
 void add_frame_options(CLI::App& command, IngestArguments& arguments) {
@@ -137,6 +125,13 @@ void add_camera_options(CLI::App& command, IngestArguments& arguments) {
       ->capture_default_str();
   command
       .add_option(
+          "--undistort", arguments.undistort,
+          "view of images whose lens distortion is removed: valid (cropped until all pixels "
+          "are valid), full (up to 120 degrees; blank pixels are masked), or auto (full "
+          "where the crop would take more than a tenth)")
+      ->capture_default_str();
+  command
+      .add_option(
           "--sync", arguments.sync,
           "how the clocks of the cameras are aligned: auto, none, container, audio or motion")
       ->capture_default_str();
@@ -186,17 +181,18 @@ void add_ingest_options(CLI::App& command, IngestArguments& arguments) {
 IngestOptions resolve_ingest(const IngestArguments& arguments) {
   IngestOptions options = arguments.options;
   check_values(options);
-  options.sync.method = value_of(kSyncWords, arguments.sync, "--sync");
+  options.sync.method = enum_of<SyncMethod>(arguments.sync, "--sync");
   options.poses.source = pose_source(arguments.poses);
   options.poses.intrinsics_per_camera =
       value_of(kIntrinsicsWords, arguments.intrinsics, "--intrinsics");
   options.poses.strict = options.strict;
   if (const auto cache = user_cache_folder(); !cache.empty())
     options.poses.cache = cache / "colmap";
-  options.frames_as = value_of(kFramesWords, arguments.frames_as, "--frames-as");
+  options.frames_as = enum_of<FramesAs>(arguments.frames_as, "--frames-as");
+  options.field_of_view = enum_of<FieldOfView>(arguments.undistort, "--undistort");
   if (!arguments.layout.empty())
-    options.image_layout = value_of(kLayoutWords, arguments.layout, "--layout");
-  if (!arguments.cloud.empty()) options.cloud = value_of(kCloudWords, arguments.cloud, "--cloud");
+    options.image_layout = enum_of<ImageLayout>(arguments.layout, "--layout");
+  if (!arguments.cloud.empty()) options.cloud = enum_of<CloudDensity>(arguments.cloud, "--cloud");
   return options;
 }
 
@@ -222,31 +218,38 @@ nlohmann::json to_json(const IngestOptions& o) {
           {"held_out", o.held_out},
           {"static", o.allow_static},
           {"layout", o.layout ? layout_name(*o.layout) : ""},
-          {"image_layout", o.image_layout ? word_of(kLayoutWords, *o.image_layout) : kDefault},
+          {"image_layout", o.image_layout ? name_of(*o.image_layout) : kDefault},
           {"images", o.images},
           {"frames_as", name_of(o.frames_as)},
+          {"undistort", name_of(o.field_of_view)},
           {"test_every", o.test_every.value_or(-1)},
           {"poses", text_of(o.poses.source)},
           {"files of the poses", stamps_of(o.poses.source.cameras)},
           {"camera_model", o.poses.lens_model},
           {"intrinsics_per_camera", o.poses.intrinsics_per_camera},
-          {"sync", word_of(kSyncWords, o.sync.method)},
+          {"sync", name_of(o.sync.method)},
           {"files of the offsets", stamps_of(o.sync.offsets)},
           {"strict", o.strict},
           {"files of the masks", stamps_of(o.masks)},
           {"invert_masks", o.invert_masks},
           {"fit_exposure", o.fit_exposure},
           {"keep_world", o.keep_world},
-          {"cloud", o.cloud ? word_of(kCloudWords, *o.cloud) : kDefault},
+          {"cloud", o.cloud ? name_of(*o.cloud) : kDefault},
           {"cloud_points", o.cloud_points}};
 }
 
 IngestReport ingest_with_progress(const std::filesystem::path& capture,
-                                  const std::filesystem::path& out, const IngestOptions& options) {
+                                  const std::filesystem::path& out, const IngestOptions& options,
+                                  const std::string& backend) {
   const SceneLock replaced(out, SceneLock::Use::kReplace);
   ProgressBar bar("ingest");
   IngestOptions checked = options;
   checked.check_cameras = true;
+  std::unique_ptr<Backend> device;
+  checked.pixel_search = [&] {
+    device = make_backend(backend);
+    return device->pixel_search();
+  };
   const IngestReport report = ingest_capture(
       capture, out, checked, [&](std::string_view what, int64_t done, int64_t total) {
         stop_if_interrupted();

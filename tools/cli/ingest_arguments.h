@@ -11,7 +11,8 @@ namespace tessera {
 
 struct IngestArguments {
   IngestOptions options;
-  std::string sync = "auto", intrinsics = "shared", cloud, layout, poses, frames_as = "png";
+  std::string sync = "auto", intrinsics = "shared", cloud, layout, poses, frames_as = "png",
+              undistort = "auto";
 };
 
 void add_ingest_options(CLI::App& command, IngestArguments& arguments);
@@ -22,9 +23,10 @@ void require_one_capture(const std::filesystem::path& folder, const IngestOption
 /// Everything that changes the prepared scene, with the stamps of the files that are named: what
 /// keys of finished work are made of.
 nlohmann::json to_json(const IngestOptions& options);
-/// Runs `ingest_capture` under a progress bar; prints its notes, the table of cameras, and its
-/// warnings.
+/// Runs `ingest_capture` under a progress bar, its cloud on `backend` (backend_options.h); prints
+/// its notes, the table of cameras, and its warnings.
 IngestReport ingest_with_progress(const std::filesystem::path& capture,
-                                  const std::filesystem::path& out, const IngestOptions& options);
+                                  const std::filesystem::path& out, const IngestOptions& options,
+                                  const std::string& backend);
 
 }  // namespace tessera

@@ -179,7 +179,7 @@ json describe_folder(const fs::path& path, bool with_shipped) {
   if (const RunFolder run{run_folder_of(path)}; run.exists())
     return describe_run(run, with_shipped);
   if (has_transforms(path)) return describe_transforms(path);
-  if (!videos_in(path).empty()) return describe_videos(path);
+  if (has_clips(path)) return describe_videos(path);
   if (is_tessera4d_folder(path)) return describe_tessera4d(path / kTessera4dManifest, with_shipped);
   if (fs::exists(path / "manifest.json")) return describe_splat_sequence(path);
   if (fs::exists(path / "model.ply")) return describe_file(path / "model.ply", with_shipped);

@@ -30,7 +30,7 @@ int ingest(const IngestRequest& request) {
   check_output_apart(request.out, request.capture);
   check_may_replace(request.out, "a prepared scene", is_prepared_scene(request.out),
                     request.overwrite);
-  const IngestReport report = ingest_with_progress(request.capture, request.out, options);
+  const IngestReport report = ingest_with_progress(request.capture, request.out, options, "auto");
   print_result(
       request.json,
       {{"out", request.out},

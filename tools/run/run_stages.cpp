@@ -147,7 +147,8 @@ class Runner {
     return stages_.done(kIngest, inputs, as_it_is ? scene_ : scene_ / "transforms.json", [&] {
       json result = {{"scene", scene_.string()}};
       if (as_it_is) return std::optional(result);
-      const IngestReport report = ingest_with_progress(request_.capture, scene_, options);
+      const IngestReport report =
+          ingest_with_progress(request_.capture, scene_, options, request_.training.backend);
       result["frames"] = report.frames;
       result["cameras"] = report.cameras;
       result["warnings"] = report.warnings;

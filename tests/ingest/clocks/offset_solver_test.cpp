@@ -31,6 +31,15 @@ TEST(OffsetSolver, ErrorsFollowFromThePairs) {
   EXPECT_NEAR(clocks[1].sigma, 0.01, 1e-12);
 }
 
+// Three pairs that miss each other by 6 of their errors: a third of that is left in each residual,
+// as two thirds of what they know went into the offsets. Finds residuals taken for errors.
+TEST(OffsetSolver, ErrorsAreThoseThatTheRigShows) {
+  const auto sigma_of = [](double last) {
+    return solve_offsets(3, {{0, 1, 0.2, 0.01}, {1, 2, -1.0, 0.01}, {0, 2, last, 0.01}})[0].sigma;
+  };
+  EXPECT_NEAR(sigma_of(-0.74) / sigma_of(-0.8), 1.4826 * 2 * std::sqrt(3.0), 0.6);
+}
+
 // One of ten pairs lies by a second, which plain least squares would share out among the clocks
 // (0.2 s at best). All weights kept: seen to fail.
 TEST(OffsetSolver, OnePairThatLiesIsOutvoted) {
@@ -91,13 +100,13 @@ TEST(OffsetLimits, AreThoseThatStandOut) {
     return std::abs(solved[i].offset) > offset_limits(solved, frames)[i];
   };
   for (size_t i = 0; i < 31; ++i) EXPECT_FALSE(applied(rig, i)) << i;
-  rig[9].offset = 0.3 / 30;
+  rig[9].offset = 0.4 / 30;
   EXPECT_TRUE(applied(rig, 9));
   for (SolvedOffset& clock : rig) clock.offset *= 0.05;
   rig[9].offset = 0.2 / 30;
   EXPECT_TRUE(applied(rig, 9)) << "the others agree to a hundredth";
   rig[9].sigma = 0.005;
-  EXPECT_FALSE(applied(rig, 9)) << "twice its error is more";
+  EXPECT_FALSE(applied(rig, 9)) << "three times its error is more";
   for (int i = 0; i < 31; ++i) rig[size_t(i)] = {(i - 15) / 31.0 / 30, 0.0005, true};
   EXPECT_TRUE(applied(rig, 9)) << "a fifth of a frame, where clocks run freely";
   EXPECT_FALSE(applied(rig, 14));

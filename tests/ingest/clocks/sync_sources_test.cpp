@@ -55,7 +55,9 @@ TEST(StatedOffsets, BothNotationsAndOneLineErrors) {
   }
 }
 
-std::vector<RigClip> clips_with_clocks(const std::vector<std::optional<double>>& clocks) {
+using Clocks = std::vector<std::optional<ContainerClock>>;
+
+std::vector<RigClip> clips_with_clocks(const Clocks& clocks) {
   std::vector<RigClip> clips;
   for (const auto& clock : clocks) {
     RigClip& clip = clips.emplace_back();
@@ -68,7 +70,7 @@ std::vector<RigClip> clips_with_clocks(const std::vector<std::optional<double>>&
   return clips;
 }
 
-std::string container_error(const std::vector<std::optional<double>>& clocks) {
+std::string container_error(const Clocks& clocks) {
   try {
     synchronise(clips_with_clocks(clocks), {SyncMethod::kContainer, {}}, {});
   } catch (const InputError& error) {
@@ -81,15 +83,28 @@ std::string container_error(const std::vector<std::optional<double>>& clocks) {
 // each seen to fail.
 TEST(ContainerTimes, AreTakenWhereTheyDistinguishTheClips) {
   const auto found =
-      synchronise(clips_with_clocks({{1000.0}, {1000.25}, {999.5}}), SyncOptions{}, {});
+      synchronise(clips_with_clocks({{{1000.0}}, {{1000.25}}, {{999.5}}}), SyncOptions{}, {});
   const double expected[] = {0, 0.25, -0.5};
   for (size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(found.clocks[i].offset, expected[i]);
     EXPECT_EQ(found.clocks[i].source, "container");
   }
-  EXPECT_NE(container_error({{1000.25}, std::nullopt}).find("cam02"), std::string::npos);
-  EXPECT_NE(container_error({{1000.0}, {1001.0}}).find("whole seconds"), std::string::npos);
-  EXPECT_NE(container_error({{1000.5}, {2000.0}}).find("overlap"), std::string::npos);
+  EXPECT_NE(container_error({{{1000.25}}, std::nullopt}).find("cam02"), std::string::npos);
+  EXPECT_NE(container_error({{{1000.0}}, {{1001.0}}}).find("whole seconds"), std::string::npos);
+  EXPECT_NE(container_error({{{1000.5}}, {{2000.0}}}).find("overlap"), std::string::npos);
+}
+
+// Recorders that begin before and after midnight. Finds clocks that are a day apart.
+TEST(ContainerTimes, TimecodesPassMidnight) {
+  const double day = 86400, before = day - 0.25, after = 0.5;
+  const auto found = synchronise(clips_with_clocks({{{before, day}}, {{after, day}}, {{0.0, day}}}),
+                                 SyncOptions{}, {});
+  const double expected[] = {-0.25, 0.5, 0};
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(found.clocks[i].offset, expected[i], 1e-9);
+    EXPECT_EQ(found.clocks[i].source, "container");
+  }
+  EXPECT_NE(container_error({{{before}}, {{after}}}).find("overlap"), std::string::npos) << "dates";
 }
 
 /// Noise below 3.2 kHz, made at ten times the rate of 8 kHz so that it can be `late` by tenths of a

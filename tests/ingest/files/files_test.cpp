@@ -161,5 +161,24 @@ TEST(Npy, BadFilesAreNamed) {
   expect_input_error([&] { read_npy(folder / "other.npy"); }, {"<c8"});
 }
 
+// Finds a mark that is left, the order of bytes, lost surrogates, and a lone return that joins
+// lines.
+TEST(PlainText, IsTheSameWhateverSystemWroteIt) {
+  const std::string text = "a \xc3\xa9\n\xe2\x82\xac \xf0\x9f\x98\x80\n";  // é, €, a face
+  EXPECT_EQ(plain_text(text), text);
+  EXPECT_EQ(plain_text("\xef\xbb\xbf" + text), text);
+  EXPECT_EQ(plain_text("a \xc3\xa9\r\n\xe2\x82\xac \xf0\x9f\x98\x80\r"), text);
+  const std::u16string wide = u"a \u00e9\r\n\u20ac \U0001f600\n";
+  std::string little = "\xff\xfe", big = "\xfe\xff";
+  for (const char16_t unit : wide) {
+    little += {char(unit & 0xff), char(unit >> 8)};
+    big += {char(unit >> 8), char(unit & 0xff)};
+  }
+  EXPECT_EQ(plain_text(little), text);
+  EXPECT_EQ(plain_text(big), text);
+  EXPECT_EQ(plain_text(""), "");
+  EXPECT_EQ(plain_text("\xff\xfe"), "");
+}
+
 }  // namespace
 }  // namespace tessera

@@ -1,18 +1,11 @@
-// Masks of the frames of videos and image sequences, as programs of segmentation number them, and
-// the prepared scene made with them.
+// Masks of the frames of videos and image sequences, as programs of segmentation number them.
+// n3dv_test.cpp has the prepared scene made with them.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "ingest/files/png.h"
-#include "ingest/ingest.h"
 #include "ingest/layouts/mask_files.h"
-#include "ingest/poses/llff_poses.h"
-#include "ingest/poses/pose_matrix.h"
 #include "tests/ingest/layouts/capture_fixture.h"
-#include "tests/ingest/video/test_video.h"
 
 namespace tessera {
 namespace {
@@ -117,78 +110,6 @@ TEST_F(ClipMasks, VideosOfMasksAreNamed) {
   EXPECT_NE(warnings_.find("2 videos are not read"), std::string::npos) << warnings_;
   EXPECT_NE(warnings_.find("ffmpeg -i cam00.mp4"), std::string::npos) << warnings_;
   EXPECT_EQ(contents_of_masks(folder_.path()), "cam00.mp4, cam01.mp4");
-}
-
-/// Three videos of five frames with poses, and masks of frame n whose first n + 1 pixels are black.
-class MaskedRig : public ::testing::Test {
- protected:
-  void SetUp() override {
-    if (!can_encode_video()) GTEST_SKIP() << "this FFmpeg has no H.264 encoder";
-    std::filesystem::create_directories(folder_ / "capture");
-    std::vector<LlffPose> poses;
-    for (int c = 0; c < 3; ++c) {
-      write_video(folder_ / fmt::format("capture/cam{:02}.mp4", c), numbered_video(5, c));
-      const nlohmann::json matrix = gl_matrix(looking_at_origin({4.0, 0.5 * c, 1.0}));
-      PoseRows pose{};
-      for (size_t row = 0; row < 3; ++row)
-        for (size_t column = 0; column < 4; ++column) pose[row][column] = matrix[row][column];
-      Camera camera{32, 24, 50, 50, 16, 12, {}, {}};
-      set_pose(camera, pose, "test");
-      poses.push_back({camera, 1, 9});
-    }
-    write_llff_poses(folder_ / "capture/poses_bounds.npy", poses);
-    options_.masks = folder_ / "masks";
-    options_.cloud = CloudDensity::kNone;
-    std::filesystem::create_directories(options_.masks);
-  }
-  static Image8 mask_of_frame(int frame, uint8_t used) {
-    Image8 mask{32, 24, 1, std::vector<uint8_t>(32 * 24, used)};
-    std::fill_n(mask.data.begin(), frame + 1, uint8_t{0});
-    return mask;
-  }
-  void write_masks(int camera, uint8_t used, int first = 0) {
-    const path place = options_.masks / fmt::format("cam{:02}", camera);
-    std::filesystem::create_directories(place);
-    for (int n = 0; n < 5; ++n)
-      write_png(place / fmt::format("{:05}.png", first + n), mask_of_frame(n, used));
-  }
-  IngestReport ingest() {
-    return ingest_capture(folder_ / "capture", folder_ / "scene", options_, {});
-  }
-
-  TemporaryFolder folder_;
-  IngestOptions options_;
-};
-
-// Bugs put back, each seen to fail: masks counted from --start; the masks of the first camera for
-// all; object numbers taken for black.
-TEST_F(MaskedRig, PreparedSceneHasTheMaskOfEachFrame) {
-  write_masks(0, 255);
-  write_masks(1, 1);
-  write_masks(2, 255, 1);
-  options_.start = 0.079;  // two frames
-  const IngestReport report = ingest();
-  const Scene scene = load_scene(folder_ / "scene", {});
-  ASSERT_EQ(scene.frames.size(), 9u);
-  for (size_t i = 0; i < 9; ++i) {
-    const int n = 2 + int(i % 3), c = int(i / 3);
-    ASSERT_NEAR(scene.frames[i].image.data[200], numbered_grey(n, c), 1);
-    EXPECT_EQ(scene.frames[i].mask.data(), mask_of_frame(n, 255).data) << i;
-  }
-  const auto file = nlohmann::json::parse(read_bytes(folder_ / "scene/transforms.json"));
-  EXPECT_EQ(file["frames"][4]["mask_path"], "masks/cam01/00001.png");
-  std::string notes;
-  for (const std::string& note : report.notes) notes += note;
-  EXPECT_NE(notes.find("cam02 are numbered from 1"), std::string::npos) << notes;
-  EXPECT_NE(notes.find("3 masks have the numbers or colours of objects"), std::string::npos);
-}
-
-TEST_F(MaskedRig, WithoutAnyTheErrorNamesWhatIsThereAndWhatIsMissing) {
-  write_bytes(options_.masks / "kitchen.png", "");
-  std::filesystem::create_directories(options_.masks / "left");
-  expect_input_error([&] { ingest(); },
-                     {"no mask for any of the 15 frames", "cam00/00000.png", "cam00_00000.png",
-                      "cam00.png", "has kitchen.png, left (0 images)"});
 }
 
 }  // namespace

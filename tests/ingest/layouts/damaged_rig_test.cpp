@@ -106,17 +106,5 @@ TEST_F(DamagedRig, EveryKindInEveryPositionIsNamedInOneLine) {
   EXPECT_EQ(failure(), "") << "the rig is whole again";
 }
 
-TEST_F(DamagedRig, PosesThatAreBrokenAreNamed) {
-  const fs::path file = capture_ / "poses_bounds.npy";
-  const std::string whole = read_bytes(file);
-  for (const std::string& bytes :
-       {std::string(), whole.substr(0, whole.size() / 2), std::string("words")}) {
-    write_bytes(file, bytes);
-    const std::string line = failure();
-    EXPECT_NE(line.find("poses_bounds.npy"), std::string::npos) << bytes.size() << ": " << line;
-    EXPECT_EQ(line.find('\n'), std::string::npos);
-  }
-}
-
 }  // namespace
 }  // namespace tessera

@@ -2,17 +2,11 @@
 // to that of videos. The names that make a rig are tested in image_sequences_test.cpp.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "ingest/checks/thinned_scene.h"
 #include "ingest/files/png.h"
-#include "ingest/images/image_source.h"
 #include "ingest/ingest.h"
-#include "ingest/poses/llff_poses.h"
-#include "ingest/poses/pose_matrix.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {
@@ -23,17 +17,6 @@ using nlohmann::json;
 using std::filesystem::path;
 
 constexpr int kRigWidth = 32, kRigHeight = 24;
-
-json entry_of(const std::string& name, int camera) {
-  return {{"name", name},
-          {"transform_matrix", gl_matrix(looking_at_origin({4.0, 0.5 * camera, 1.0}))},
-          {"fl_x", 50},
-          {"fl_y", 50},
-          {"cx", 16},
-          {"cy", 12},
-          {"w", kRigWidth},
-          {"h", kRigHeight}};
-}
 
 /// Images numbered 100 … of cameras 0, 1, 2, each of one grey, and their poses beside them.
 class ImageRig : public ::testing::Test {
@@ -46,9 +29,12 @@ class ImageRig : public ::testing::Test {
         std::filesystem::create_directories(file.parent_path());
         write_png(file, constant_image(kRigWidth, kRigHeight, pixel(c, n, channels)));
       }
-      cameras.push_back(entry_of(std::to_string(c), c));
+      cameras.push_back({{"name", std::to_string(c)},
+                         {"transform_matrix", gl_matrix(looking_at_origin({4.0, 0.5 * c, 1.0}))}});
     }
-    write_bytes(folder_ / "cameras.json", json{{"cameras", cameras}}.dump());
+    const json file{{"fl_x", 50},     {"fl_y", 50},      {"cx", 16},          {"cy", 12},
+                    {"w", kRigWidth}, {"h", kRigHeight}, {"cameras", cameras}};
+    write_bytes(folder_ / "cameras.json", file.dump());
   }
   path file_of(const std::string& pattern, int camera, int frame) {
     return folder_ / "capture" /
@@ -60,7 +46,8 @@ class ImageRig : public ::testing::Test {
     if (channels == 4) pixel[3] = 0;
     return pixel;
   }
-  IngestReport ingest(IngestOptions options = {}) {
+  IngestReport ingest() {
+    IngestOptions options;
     options.poses.source = {PoseSource::kCameras, folder_ / "cameras.json"};
     options.keep_world = true;
     options.cloud = CloudDensity::kNone;
@@ -136,28 +123,6 @@ TEST_F(ImageRig, ACameraOfOneImageIsNamedBeforeColmap) {
   ::unsetenv("TESSERA_COLMAP");
 }
 
-// Bug put back: --fps dropping images, as of videos; seen to fail.
-TEST_F(ImageRig, RateAndChoiceOfFrames) {
-  write("camera_{c}_img_{t}.png");
-  edit_json(folder_ / "cameras.json", [](json& file) {
-    for (json& camera : file["cameras"])
-      camera["name"] = "camera_" + camera["name"].get<std::string>();
-  });
-  IngestOptions options;
-  options.fps = 15;
-  options.frames = 3;
-  options.held_out = {"camera_2"};
-  EXPECT_EQ(ingest(options).frames, 9);
-  const Scene scene = this->scene();
-  EXPECT_NEAR(scene.time_axis.duration, 2.0 / 15, 1e-12);
-  EXPECT_EQ(scene.frames[8].image.data[0], grey(2, 2));
-  EXPECT_EQ(scene.frames[8].split, Split::kTest);
-  options.poses.source = {PoseSource::kCameras, folder_ / "cameras.json"};
-  options.sample = true;
-  const IngestReport sample = ingest_capture(folder_ / "capture", folder_ / "sample", options, {});
-  EXPECT_EQ(sample.layout, CaptureLayout::kSequences);
-}
-
 // Bug put back: alpha composited on black in the prepared images; seen to fail.
 TEST_F(ImageRig, AlphaIsKept) {
   write("{c}/{t:06}.png", 4);
@@ -166,86 +131,6 @@ TEST_F(ImageRig, AlphaIsKept) {
   white.background = {255, 255, 255};
   EXPECT_EQ(load_scene(folder_ / "scene", white).frames[7].image.data[50], 255);
   EXPECT_TRUE(scene().had_alpha);
-}
-
-TEST_F(ImageRig, BadImagesAndMissingCamerasAreNamed) {
-  write("cam{c}/{t:06}.png");
-  const auto rename = [&](const std::string& before) {
-    int number = 0;
-    edit_json(folder_ / "cameras.json", [&](json& file) {
-      for (json& camera : file["cameras"]) camera["name"] = before + std::to_string(number++);
-    });
-  };
-  rename("cam1");
-  expect_input_error([&] { ingest(); },
-                     {"has no camera for cam0, cam1, cam2", "it has cam10, cam11, cam12"});
-  rename("cam");
-  const path file = file_of("cam{c}/{t:06}.png", 2, 3);
-  write_png(file, constant_image(kRigWidth, kRigHeight / 2, {1, 2, 3}));
-  expect_input_error([&] { ingest(); }, {file.string(), "is 32x12", "camera cam2 is 32x24"});
-  write_bytes(file, "no image");
-  expect_input_error([&] { ingest(); }, {file.string()});
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene"));
-}
-
-// A row a camera, as N3DV's, beside images that a video was cut into.
-TEST_F(ImageRig, RowsOfPosesBounds) {
-  write("cam{c:02}/images/{t:04}.png");
-  std::vector<LlffPose> poses;
-  for (int i = 0; i < 3; ++i) {
-    const json matrix = gl_matrix(looking_at_origin({4.0, 0.5 * i, 1.0}));
-    PoseRows rows{};
-    for (size_t r = 0; r < 3; ++r)
-      for (size_t c = 0; c < 4; ++c) rows[r][c] = matrix[r][c];
-    Camera camera{2 * kRigWidth, 2 * kRigHeight, 100, 100, kRigWidth, kRigHeight, {}, {}};
-    set_pose(camera, rows, "test");
-    poses.push_back({camera, 1, 9});
-  }
-  write_llff_poses(folder_ / "capture/poses_bounds.npy", poses);
-  IngestOptions options;
-  options.keep_world = true;
-  options.cloud = CloudDensity::kNone;
-  EXPECT_EQ(ingest_capture(folder_ / "capture", folder_ / "scene", options, {}).frames, 15);
-  const Scene scene = this->scene();
-  expect_same_camera(scene.frames[14].camera, poses[2].camera.resized(kRigWidth, kRigHeight),
-                     1e-12);
-}
-
-// The real layout: ims/C/TTTTTT.jpg, cameras by the names of their folders.
-TEST(ImageRigData, FoldersOfBasketball) {
-  TESSERA_NEED_DATA(basketball, "basketball");
-  const TemporaryFolder folder;
-  json cameras = json::array(), stated;
-  std::ifstream(basketball / "transforms_train.json") >> stated;
-  for (const char* name : {"1", "2", "3"}) {
-    std::filesystem::create_directories(folder / "capture/ims" / name);
-    for (int n = 0; n < 4; ++n) {
-      const std::string file = fmt::format("ims/{}/{:06}.jpg", name, n);
-      std::filesystem::create_symlink(std::filesystem::canonical(basketball / file),
-                                      folder / "capture" / file);
-    }
-    const std::string first = fmt::format("ims/{}/000000", name);
-    for (json entry : stated["frames"])
-      if (entry["file_path"].get<std::string>().find(first) != std::string::npos) {
-        entry["name"] = name;
-        cameras.push_back(entry);
-      }
-  }
-  ASSERT_EQ(cameras.size(), 3u);
-  stated.erase("frames");
-  stated["cameras"] = cameras;
-  write_bytes(folder / "cameras.json", stated.dump());
-  IngestOptions options;
-  options.poses.source = {PoseSource::kCameras, folder / "cameras.json"};
-  options.keep_world = true;
-  options.cloud = CloudDensity::kNone;
-  const IngestReport report = ingest_capture(folder / "capture", folder / "scene", options, {});
-  EXPECT_EQ(report.layout, CaptureLayout::kSequences);
-  EXPECT_EQ(report.frames, 12);
-  EXPECT_EQ(report.scored, "will be scored: 4 test views (camera 1)");
-  const Scene scene = load_scene(folder / "scene", {});
-  EXPECT_EQ(scene.frames[11].image.data, read_image(basketball / "ims/3/000003.jpg").data);
-  EXPECT_NEAR(scene.time_axis.duration, 0.1, 1e-12);
 }
 
 }  // namespace

@@ -66,12 +66,9 @@ TEST_F(MaskSource, PreparedSceneHasThemAndReportsIt) {
   const Image8 second = mask_where(8, 6, [](int x, int y) { return (x + 2 * y) % 3 > 0; });
   write("train/r_000.png", first);
   write("train/r_001.png.png", second);
-  const std::string warning =
-      (folder_ / "masks").string() + ": 4 of 6 frames have no mask, all their pixels count";
   for (const bool inverted : {false, true}) {
     options_.invert_masks = inverted;
-    const std::vector<std::string> warnings = ingest().warnings;
-    EXPECT_EQ(std::count(warnings.begin(), warnings.end(), warning), 1);
+    ingest();
     const Scene scene = load_scene(folder_ / "scene", {});
     for (size_t p = 0; p < 48; ++p) {
       EXPECT_EQ(scene.frames[0].mask.data()[p], inverted ? 255 - first.data[p] : first.data[p]);
@@ -81,24 +78,7 @@ TEST_F(MaskSource, PreparedSceneHasThemAndReportsIt) {
     const json file = prepared();
     EXPECT_EQ(file["frames"][0]["mask_path"], "masks/train/r_000.png");
     EXPECT_FALSE(file["frames"][2].contains("mask_path"));
-    EXPECT_EQ(file["tessera"]["applied"]["masks"],
-              inverted ? "white ignored (inverted)" : "black ignored");
   }
-}
-
-TEST_F(MaskSource, WithoutMasksNothingIsSaidOfThem) {
-  options_.masks.clear();
-  ingest();
-  EXPECT_EQ(prepared()["tessera"]["applied"]["masks"], "none");
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene/masks"));
-}
-
-TEST_F(MaskSource, MasksThatNoFrameHasAreRefused) {
-  expect_input_error([&] { ingest(); }, {"masks", "no mask for any of the 6 frames",
-                                         "train/r_000.png", "a.jpg.png", "has train (0 images)"});
-  options_.masks.clear();
-  options_.invert_masks = true;
-  expect_input_error([&] { ingest(); }, {"--invert-masks", "--masks"});
 }
 
 // Bug put back: masks of another size refused though the images were made smaller; seen to fail.

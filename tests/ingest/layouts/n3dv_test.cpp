@@ -2,8 +2,6 @@
 // captures are refused.
 #include <fmt/format.h>
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -60,10 +58,9 @@ class N3dv : public ::testing::Test {
 
 // Bug put back: the focal length of poses_bounds.npy taken for the video's size; seen to fail.
 TEST_F(N3dv, FramesCamerasTimesAndSplits) {
-  const IngestReport report = ingest();
-  EXPECT_EQ(report.layout, CaptureLayout::kN3dv);
-  EXPECT_EQ(report.frames, 15);
-  EXPECT_EQ(report.cameras, 3);
+  EXPECT_EQ(ingest().layout, CaptureLayout::kN3dv);
+  const json file = json::parse(read_bytes(folder_ / "scene/transforms.json"));
+  EXPECT_EQ(file["tessera"]["source_hashes_fnv1a64"].size(), 4u);
   const Scene scene = load_scene(folder_ / "scene", {});
   ASSERT_EQ(scene.frames.size(), 15u);
   EXPECT_NEAR(scene.time_axis.duration, 4.0 / 25, 1e-9);
@@ -105,10 +102,6 @@ TEST_F(N3dv, TheWorldIsNormalisedAndRecorded) {
   const Scene again = load_scene(folder_ / "again", {});
   EXPECT_NEAR(again.prepared_from_source.scale, world.scale, 1e-14);
   expect_same_camera(again.frames[0].camera, scene.frames[0].camera, 1e-12);
-  IngestOptions keep;
-  keep.keep_world = true;
-  ingest_capture(folder_ / "capture", folder_ / "scene", keep, {});
-  EXPECT_TRUE(load_scene(folder_ / "scene", {}).prepared_from_source.is_identity());
 }
 
 // B17. Bug put back: the mask of the first camera that has one for all; seen to fail.
@@ -122,10 +115,7 @@ TEST_F(N3dv, OneMaskACamera) {
     std::fill_n(masks[c].data.begin(), 100 * c, uint8_t{0});
     write_png(options.masks / fmt::format("cam{:02}.png", c), masks[c]);
   }
-  const std::vector<std::string> warnings = ingest(options).warnings;
-  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
-    return warning.find("5 of 15 frames have no mask") != std::string::npos;
-  }));
+  ingest(options);
   const Scene scene = load_scene(folder_ / "scene", {});
   for (size_t i = 0; i < 15; ++i) EXPECT_EQ(scene.frames[i].mask.data(), masks[i / 5].data) << i;
   // bug put back: a mask read for each frame; seen to fail
@@ -136,8 +126,42 @@ TEST_F(N3dv, OneMaskACamera) {
   EXPECT_TRUE(sized.data().empty());
   const json file = json::parse(read_bytes(folder_ / "scene/transforms.json"));
   EXPECT_EQ(file["frames"][5]["mask_path"], "masks/cam01.png");
-  EXPECT_EQ(file["frames"][9]["mask_path"], "masks/cam01.png");
-  EXPECT_EQ(file["tessera"]["applied"]["masks"], "black ignored");
+}
+
+// Bugs put back, each seen to fail: masks counted from --start; the masks of the first camera for
+// all; object numbers taken for black.
+TEST_F(N3dv, AMaskAFrame) {
+  IngestOptions options;
+  options.masks = folder_ / "masks";
+  const auto mask_of_frame = [](int frame, uint8_t used) {  // the first pixels are black
+    Image8 mask{32, 24, 1, std::vector<uint8_t>(32 * 24, used)};
+    std::fill_n(mask.data.begin(), frame + 1, uint8_t{0});
+    return mask;
+  };
+  const auto write_masks = [&](const char* camera, uint8_t used, int first) {
+    std::filesystem::create_directories(options.masks / camera);
+    for (int n = 0; n < 5; ++n)
+      write_png(options.masks / camera / fmt::format("{:05}.png", first + n),
+                mask_of_frame(n, used));
+  };
+  write_masks("cam00", 255, 0);
+  write_masks("cam01", 1, 0);
+  write_masks("cam02", 255, 1);
+  options.start = 0.079;  // two frames
+  const IngestReport report = ingest(options);
+  const Scene scene = load_scene(folder_ / "scene", {});
+  ASSERT_EQ(scene.frames.size(), 9u);
+  for (size_t i = 0; i < 9; ++i) {
+    const int n = 2 + int(i % 3), c = int(i / 3);
+    ASSERT_NEAR(scene.frames[i].image.data[200], numbered_grey(n, c), 1);
+    EXPECT_EQ(scene.frames[i].mask.data(), mask_of_frame(n, 255).data) << i;
+  }
+  const json file = json::parse(read_bytes(folder_ / "scene/transforms.json"));
+  EXPECT_EQ(file["frames"][4]["mask_path"], "masks/cam01/00001.png");
+  std::string notes;
+  for (const std::string& note : report.notes) notes += note;
+  EXPECT_NE(notes.find("cam02 are numbered from 1"), std::string::npos) << notes;
+  EXPECT_NE(notes.find("3 masks have the numbers or colours of objects"), std::string::npos);
 }
 
 // Bug put back: the folder of masks is checked when all frames are decoded; seen to fail.
@@ -152,28 +176,6 @@ TEST_F(N3dv, AMissingFolderOfMasksIsNamedBeforeDecoding) {
       {"nowhere: no such folder"});
 }
 
-TEST_F(N3dv, HeldOutCamerasAreThoseNamed) {
-  IngestOptions options;
-  options.held_out = {"cam02", "cam01"};
-  ingest(options);
-  for (const Frame& frame : load_scene(folder_ / "scene", {}).frames)
-    EXPECT_EQ(frame.split, frame.camera_name == "cam00" ? Split::kTrain : Split::kTest);
-  options.held_out = {"cam07"};
-  expect_input_error([&] { ingest(options); }, {"cam07", "cam00, cam01, cam02"});
-  options.held_out = {"cam00", "cam01", "cam02"};
-  expect_input_error([&] { ingest(options); }, {"all cameras are held out"});
-}
-
-TEST_F(N3dv, AShorterVideoShortensAllAndIsNamed) {
-  write_video(video(2), numbered_video(3, 2));
-  const IngestReport report = ingest();
-  EXPECT_EQ(report.frames, 9);
-  for (const char* line : {"cam02 limits the clip to 3 of 5 timesteps; without it there are 5",
-                           "leave out cam02 (limits the clip): --cameras cam00,cam01"})
-    EXPECT_THAT(report.warnings, ::testing::Contains(line));
-  EXPECT_EQ(load_scene(folder_ / "scene", {}).frames[2].time, 1.0);
-}
-
 TEST_F(N3dv, TheWindowIsOfTimesNotOfIndices) {
   IngestOptions options;
   options.start = 0.04;
@@ -182,18 +184,6 @@ TEST_F(N3dv, TheWindowIsOfTimesNotOfIndices) {
   const Scene scene = load_scene(folder_ / "scene", {});
   EXPECT_NEAR(scene.frames[0].image.data[200], numbered_grey(1, 0), 1);
   EXPECT_NEAR(scene.frames[1].image.data[200], numbered_grey(3, 0), 1);
-  options.cameras = {"cam00", "cam02"};
-  EXPECT_EQ(ingest(options).cameras, 2);
-  expect_same_camera(load_scene(folder_ / "scene", {}).frames[2].camera,
-                     camera_in_world(load_scene(folder_ / "scene", {}).prepared_from_source,
-                                     poses_[2].camera.resized(32, 24)),
-                     1e-12);
-  options.cameras = {"cam05"};
-  expect_input_error([&] { ingest(options); }, {"--cameras", "cam05", "cam00, cam01, cam02"});
-  options.cameras = {};
-  options.start = 100;
-  expect_input_error([&] { ingest(options); },
-                     {"capture: --start 100 s is after the end (0.160 s)"});
 }
 
 // Bug put back: the start looked at when COLMAP has placed the cameras; seen to fail.
@@ -234,67 +224,17 @@ TEST_F(N3dv, TimesDoNotDependOnTheFrameRate) {
   for (size_t i = 0; i < 5; ++i) EXPECT_NEAR(fast[2 * i], slow[i], 1e-12);
 }
 
-TEST_F(N3dv, StatedOffsetsMoveTimesAndTheCommonPart) {
-  write_bytes(folder_ / "offsets.json", R"({"cam00": 0, "cam01": 0.05, "cam02": 0})");
-  IngestOptions options;
-  options.sync.offsets = folder_ / "offsets.json";
-  const IngestReport report = ingest(options);
-  const Scene scene = load_scene(folder_ / "scene", {});
-  double least = 1e9;
-  for (const Frame& frame : scene.frames)
-    if (frame.camera_name == "cam01")
-      least = std::min(least, frame.time * scene.time_axis.duration + scene.time_axis.origin);
-  EXPECT_NEAR(least, 0.05, 1e-9);  // kept as it is, not moved to a frame of the others
-  const json file = json::parse(read_bytes(folder_ / "scene/transforms.json"));
-  EXPECT_EQ(file["tessera"]["cameras"][1]["time_offset"], 0.05);
-  EXPECT_EQ(file["tessera"]["cameras"][1]["time_offset_source"], "stated");
-}
-
-TEST_F(N3dv, RowsAndVideosMustBeAsMany) {
-  write_poses(2);
-  expect_input_error(
-      [&] { ingest(); },
-      {"poses_bounds.npy: has 2 rows, the capture 3 cameras (cam00, cam01, cam02); "});
-}
-
 TEST_F(N3dv, AnotherShapeIsRefused) {
   for (LlffPose& pose : poses_) pose.camera.height = 60;
   write_llff_poses(folder_ / "capture/poses_bounds.npy", poses_);
   expect_input_error([&] { ingest(); }, {"cam00.mp4", "32x24", "64x60"});
 }
 
-TEST_F(N3dv, ScaleKeepsRaysAndIsReported) {
-  IngestOptions options;
-  options.scale = 0.5;
-  ingest(options);
-  const Scene scene = load_scene(folder_ / "scene", {});
-  EXPECT_EQ(scene.frames[0].image.width, 16);
-  expect_same_camera(scene.frames[0].camera, poses_[0].camera.resized(16, 12), 1e-12);
-  const json file = json::parse(read_bytes(folder_ / "scene/transforms.json"));
-  EXPECT_EQ(file["tessera"]["applied"]["scale"], 0.5);
-  EXPECT_EQ(file["tessera"]["cameras"][1]["name"], "cam01");
-  EXPECT_EQ(file["tessera"]["source_hashes_fnv1a64"].size(), 4u);
-  options.scale = 2;
-  expect_input_error([&] { ingest(options); }, {"--scale is 2"});
-}
-
-TEST_F(N3dv, OneInstantAndOneCamera) {
+TEST_F(N3dv, OneInstantIsStatic) {
   IngestOptions options;
   options.frames = 1;
   ingest(options);
   EXPECT_TRUE(load_scene(folder_ / "scene", {}).is_static);
-  std::filesystem::remove(video(1));
-  std::filesystem::remove(video(2));
-  write_poses(1);
-  const IngestReport report = ingest();
-  EXPECT_TRUE(report.warnings.empty());
-  EXPECT_TRUE(report.scored.starts_with("nothing will be scored")) << report.scored;
-  const Scene scene = load_scene(folder_ / "scene", {});
-  EXPECT_EQ(scene.frames.size(), 5u);
-  EXPECT_EQ(scene.frames[0].split, Split::kTrain);
-  IngestOptions every;  // its frames can be held out
-  every.test_every = 3;
-  EXPECT_EQ(ingest(every).scored, "will be scored: 2 test views (2 of the 5 of camera cam00)");
 }
 
 // Bug put back: the old scene removed before the new one is complete; seen to fail.
@@ -306,27 +246,6 @@ TEST_F(N3dv, AFailureLeavesTheOldSceneAndNothingElse) {
   expect_input_error([&] { ingest(); }, {"cam02.mp4", "truncated after", "--cameras"});
   EXPECT_EQ(read_bytes(folder_ / "scene/transforms.json"), before);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 2);
-}
-
-TEST_F(N3dv, OutputThatIsNoSceneIsNotOverwritten) {
-  std::filesystem::create_directories(folder_ / "scene");
-  write_bytes(folder_ / "scene/precious", "x");
-  expect_input_error([&] { ingest(); }, {"scene", "overwritten"});
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "scene/precious"));
-  expect_input_error(
-      [&] { ingest_capture(folder_ / "capture", folder_ / "scene/precious/s", {}, {}); },
-      {"ot a directory"});
-}
-
-TEST_F(N3dv, VideosWithoutPosesGiveTheRemedy) {
-  std::filesystem::remove(folder_ / "capture/poses_bounds.npy");
-  EXPECT_EQ(detect_layout(folder_ / "capture"), CaptureLayout::kVideos);
-  setenv("TESSERA_COLMAP", "/nowhere/colmap", 1);
-  expect_input_error([&] { ingest(); }, {"/nowhere/colmap", "install"});
-  unsetenv("TESSERA_COLMAP");
-  expect_input_error([&] { detect_layout(folder_ / "none"); }, {"none", "no such folder"});
-  std::filesystem::create_directories(folder_ / "void");
-  expect_input_error([&] { detect_layout(folder_ / "void"); }, {"void", "no videos"});
 }
 
 TEST_F(N3dv, ProgressIsReportedAndMayStop) {

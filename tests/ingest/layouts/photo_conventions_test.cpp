@@ -155,42 +155,16 @@ TEST(LlffPhotos, BecomeAStaticSceneOfTheChosenSize) {
               patterned_image(kWidth / 2, kHeight / 2, 3, i));
   IngestOptions options;
   options.images = "images_2";
-  options.test_every = 4;
-  const IngestReport report = ingest_capture(folder / "capture", folder / "scene", options, {});
-  EXPECT_EQ(report.layout, CaptureLayout::kLlff);
-  const Scene full = [&] {
-    ingest_capture(folder / "capture", folder / "full", {}, {});
-    return load_scene(folder / "full", {});
-  }();
-  const Scene half = load_scene(folder / "scene", {});
+  ingest_capture(folder / "capture", folder / "scene", options, {});
+  ingest_capture(folder / "capture", folder / "full", {}, {});
+  const Scene full = load_scene(folder / "full", {}), half = load_scene(folder / "scene", {});
   EXPECT_TRUE(half.is_static);
-  EXPECT_EQ(half.split_indices(Split::kTest), (std::vector<int>{0, 4}));
-  EXPECT_EQ(full.split_indices(Split::kTest), (std::vector<int>{0}));
   EXPECT_EQ(half.frames[3].camera_name, "b03");
   EXPECT_EQ(half.frames[3].image.data, patterned_image(kWidth / 2, kHeight / 2, 3, 3).data);
   for (size_t i = 0; i < 6; ++i)  // B7: the same rays
     EXPECT_LT(glm::distance(ray_through(full.frames[i].camera, 50, 4),
                             ray_through(half.frames[i].camera, 25, 2)),
               1e-9);
-  std::filesystem::remove(folder / "capture/images/b02.png");
-  expect_input_error([&] { ingest_capture(folder / "capture", folder / "third", {}, {}); },
-                     {"has 6 rows", "has 5 images"});
-}
-
-TEST(Layouts, PhotosByWhatLiesBesideThem) {
-  const TemporaryFolder folder;
-  write_images(folder / "a/images");
-  EXPECT_EQ(detect_layout(folder / "a"), CaptureLayout::kPhotos);
-  EXPECT_EQ(detect_layout(folder / "a/images"), CaptureLayout::kPhotos);
-  setenv("TESSERA_COLMAP", "/nowhere/colmap", 1);  // poses are estimated, where it is there
-  expect_input_error([&] { ingest_capture(folder / "a", folder / "scene", {}, {}); },
-                     {"/nowhere/colmap"});
-  unsetenv("TESSERA_COLMAP");
-  EXPECT_FALSE(std::filesystem::exists(folder / "scene"));
-  write_cube_llff(folder / "a");
-  EXPECT_EQ(detect_layout(folder / "a"), CaptureLayout::kLlff);
-  write_colmap_bin(folder / "a/sparse/0", cube_model());
-  EXPECT_EQ(detect_layout(folder / "a"), CaptureLayout::kColmap);
 }
 
 // Bugs put back: the model's error alone; the sample of `doctor` sized by the model that --poses
@@ -280,57 +254,6 @@ TEST(RealConventions, FernPointsLieOnTheirColours) {
   EXPECT_EQ(scene.split_indices(Split::kTest), (std::vector<int>{0, 8, 16}));
   expect_points_on_colours(
       scene, read_colmap_points_bin(data / "sparse_rebuilt/0/points3D.bin", {}).cloud, "fern");
-}
-
-/// The points of one world in another, in which `there[i]` is camera `here[i]`: a similarity by the
-/// first camera's turn and the cameras' centres.
-void move_points(PointCloud& points, const std::vector<Camera>& here,
-                 const std::vector<Camera>& expected) {
-  const glm::dmat3 turn = glm::transpose(expected[0].cam_from_world) * here[0].cam_from_world;
-  glm::dvec3 from(0);
-  glm::dvec3 to(0);
-  for (size_t i = 0; i < here.size(); ++i) {
-    from += here[i].position() / double(here.size());
-    to += expected[i].position() / double(here.size());
-  }
-  double size_from = 0, size_to = 0;
-  for (size_t i = 0; i < here.size(); ++i) {
-    size_from += glm::distance(here[i].position(), from);
-    size_to += glm::distance(expected[i].position(), to);
-  }
-  for (glm::vec3& point : points.position)
-    point = glm::vec3(to + turn * (glm::dvec3(point) - from) * (size_to / size_from));
-}
-
-TEST(RealConventions, N3dvPointsLieOnTheirColours) {
-  TESSERA_NEED_DATA(data, "n3dv_one_instant");
-  const TemporaryFolder folder;
-  // The model has files 1 to 5 under these names.
-  const std::array<const char*, 5> names{"0.jpg", "3.jpg", "5.jpg", "8.jpg", "14.jpg"};
-  std::filesystem::create_directories(folder / "capture/images");
-  for (size_t i = 0; i < 5; ++i)
-    std::filesystem::create_symlink(
-        data / fmt::format("images_4/{}.png", i + 1),
-        (folder / "capture/images" / names[i]).replace_extension("png"));
-  std::filesystem::create_directory_symlink(data / "sparse", folder / "capture/sparse");
-  ingest_capture(folder / "capture", folder / "colmap", {}, {});
-  const Scene colmap = load_scene(folder / "colmap", {});
-  expect_points_on_colours(colmap, colmap.points, "n3dv_one_instant, COLMAP");
-  IngestOptions options;
-  options.layout = CaptureLayout::kLlff;
-  options.images = "images_4";
-  ingest_capture(data, folder / "llff", options, {});
-  const Scene llff = load_scene(folder / "llff", {});
-  std::vector<Camera> here, expected;
-  for (size_t i = 0; i < 5; ++i) {
-    expected.push_back(llff.frames[i].camera);
-    for (const Frame& frame : colmap.frames)
-      if (frame.camera_name + ".jpg" == names[i]) here.push_back(frame.camera);
-  }
-  ASSERT_EQ(here.size(), 5u);
-  PointCloud points = colmap.points;
-  move_points(points, here, expected);
-  expect_points_on_colours(llff, points, "n3dv_one_instant, LLFF");
 }
 
 // B3. Bug put back: points in the order of the file, which differs; seen to fail.

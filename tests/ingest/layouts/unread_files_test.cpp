@@ -3,9 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
-#include "ingest/files/png.h"
 #include "ingest/images/listing.h"
 #include "ingest/ingest.h"
 #include "ingest/layouts/video_files.h"
@@ -110,27 +107,6 @@ TEST(UnreadFiles, AreNamedWhereACaptureIsRefused) {
   photos.scale = 2;
   expect_input_error([&] { ingest_capture(folder / "phone", folder / "scene", photos, {}); },
                      {"--scale is 2"});
-}
-
-// Bug put back: a capture's own masks, which its transforms file states, named; seen to fail.
-TEST(UnreadFiles, AreReportedByTheConversion) {
-  const TemporaryFolder folder;
-  write_dnerf(folder / "capture", {});
-  put(folder / "capture/train/x.heic", kHeic);
-  put(folder / "capture/masks/m.png", "");
-  write_png(folder / "capture/masks/m.png", Image8{8, 6, 1, std::vector<uint8_t>(48, 255)});
-  const auto warnings = [&] {
-    std::string all;
-    for (const std::string& warning :
-         ingest_capture(folder / "capture", folder / "scene", {}, {}).warnings)
-      all += warning + "\n";
-    return all;
-  };
-  EXPECT_NE(warnings().find("1 .heic file is not read"), std::string::npos);
-  EXPECT_NE(warnings().find("pass --masks"), std::string::npos);
-  edit_json(folder / "capture/transforms_train.json",
-            [](nlohmann::json& file) { file["frames"][0]["mask_path"] = "masks/m.png"; });
-  EXPECT_EQ(warnings().find("pass --masks"), std::string::npos);
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "ingest/colmap/colmap_records.h"
+#include "ingest/poses/pinhole_view.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {
@@ -131,6 +133,10 @@ TEST(Lens, FisheyesEndAt90Degrees) {
   EXPECT_NEAR(std::atan(back->x), theta, 1e-9);
 }
 
+Camera valid_camera(const Camera& camera, const Lens& lens, const std::string& where) {
+  return pinhole_view(camera, lens, FieldOfView::kValid, where).camera;
+}
+
 /// How far the corners' rays fall outside the image that was taken; 0 or less: inside.
 double overhang(const Camera& camera, const Lens& lens, const Camera& pinhole) {
   double most = -1e9;
@@ -148,9 +154,9 @@ double overhang(const Camera& camera, const Lens& lens, const Camera& pinhole) {
 TEST(Lens, UndistortedCameraHasNoBlankPixels) {
   const Camera camera = camera_of_100_by_80();
   const Lens barrel = lens_of("SIMPLE_RADIAL", {1, 0, 0, -0.2});
-  expect_same_camera(undistorted_camera(camera, barrel, "test"), camera, 0);
+  expect_same_camera(valid_camera(camera, barrel, "test"), camera, 0);
   const Lens pincushion = lens_of("SIMPLE_RADIAL", {1, 0, 0, 0.2});
-  const Camera pinhole = undistorted_camera(camera, pincushion, "test");
+  const Camera pinhole = valid_camera(camera, pincushion, "test");
   EXPECT_GT(overhang(camera, pincushion, camera), 5);
   EXPECT_LE(overhang(camera, pincushion, pinhole), 1e-6);
   EXPECT_GT(overhang(camera, pincushion, pinhole), -0.1);  // not longer than needed
@@ -159,11 +165,11 @@ TEST(Lens, UndistortedCameraHasNoBlankPixels) {
   EXPECT_EQ(pinhole.width, 100);
   // r(1 − 2r²) turns back at r = √(1/6), to which the corners must not come.
   const Lens turning = lens_of("SIMPLE_RADIAL", {1, 0, 0, -2});
-  EXPECT_NEAR(undistorted_camera(camera, turning, "test").fl_x,
-              std::hypot(49.5, 39.5) * std::sqrt(6.0), 0.05);
+  EXPECT_NEAR(valid_camera(camera, turning, "test").fl_x, std::hypot(49.5, 39.5) * std::sqrt(6.0),
+              0.05);
   expect_input_error(
       [&] {
-        undistorted_camera(camera, lens_of("SIMPLE_RADIAL", {1, 0, 0, -100}), "a.jpg (RADIAL)");
+        valid_camera(camera, lens_of("SIMPLE_RADIAL", {1, 0, 0, -100}), "a.jpg (RADIAL)");
       },
       {"a.jpg (RADIAL)", "turns back", "image_undistorter"});
 }
@@ -188,7 +194,7 @@ TEST(Lens, PrincipalPointOutsideOfTheImage) {
     return most;
   };
   const Lens barrel{.k1 = -0.27, .k2 = 0.19};
-  const Camera pinhole = undistorted_camera(camera, barrel, "test");
+  const Camera pinhole = valid_camera(camera, barrel, "test");
   EXPECT_GT(hangs_over(barrel, camera), 5);
   EXPECT_LE(hangs_over(barrel, pinhole), 1e-6);
   EXPECT_GT(hangs_over(barrel, pinhole), -0.5);
@@ -206,7 +212,56 @@ TEST(Lens, PrincipalPointOutsideOfTheImage) {
   higher.height = 200;
   higher.cx = 200;
   higher.cy = 1240;
-  EXPECT_LE(undistorted_camera(higher, turning, "test").fl_x, 8 * 1400);
+  EXPECT_LE(valid_camera(higher, turning, "test").fl_x, 8 * 1400);
+}
+
+// The border of a wide image lies on the border of the full view, up to 120 degrees. Finds an image
+// cut at the focal length of the camera (auto of strong distortion), and a view that keeps blank
+// pixels for nothing (auto of weak distortion).
+TEST(PinholeView, TheFullViewHasAllThatTheImageShows) {
+  const Camera camera = camera_of_100_by_80();  // of the focal length 60
+  const Lens barrel{.k1 = -0.12, .k2 = 0.01};
+  const PinholeView full = pinhole_view(camera, barrel, FieldOfView::kFull, "test");
+  EXPECT_EQ(full.kept, FieldOfView::kFull);
+  EXPECT_TRUE(full.has_blanks);
+  EXPECT_EQ(full.camera.fl_x, camera.fl_x);
+  const auto corner = barrel.undistorted({50 / camera.fl_x, 40 / camera.fl_y});
+  ASSERT_TRUE(corner);
+  EXPECT_NEAR(full.camera.cx, corner->x * camera.fl_x, 0.01);
+  EXPECT_NEAR(full.camera.width, 2 * corner->x * camera.fl_x, 1);
+  EXPECT_NEAR(full.camera.height, 2 * corner->y * camera.fl_y, 1);
+  EXPECT_EQ(pinhole_view(camera, barrel, FieldOfView::kAuto, "test").kept, FieldOfView::kFull);
+  const PinholeView weak = pinhole_view(camera, {.k1 = -0.01}, FieldOfView::kAuto, "test");
+  EXPECT_EQ(weak.kept, FieldOfView::kValid);
+  EXPECT_EQ(weak.camera.width, 100);
+  const PinholeView none = pinhole_view(camera, {}, FieldOfView::kFull, "test");
+  EXPECT_FALSE(none.has_blanks);
+}
+
+TEST(PinholeView, AFisheyeKeepsAHundredAndTwentyDegrees) {
+  const Camera camera{400, 300, 127.3,         127.3,
+                      200, 150, glm::dmat3(1), glm::dvec3(0)};  // 180 degrees
+  const Lens fisheye{.projection = Lens::Projection::kFisheye};
+  const PinholeView view = pinhole_view(camera, fisheye, FieldOfView::kAuto, "test");
+  EXPECT_EQ(view.kept, FieldOfView::kFull);
+  EXPECT_FALSE(view.has_blanks) << "the image shows more";
+  EXPECT_NEAR(view.camera.width / view.camera.fl_x, 2 * std::tan(std::numbers::pi / 3), 0.01);
+}
+
+// r(1 − 2r²) turns back within the image: it has a small valid view, and no full one.
+TEST(PinholeView, ALensThatTurnsBackHasNoFullView) {
+  const Camera camera = camera_of_100_by_80();
+  const Lens turning{.k1 = -2};
+  EXPECT_EQ(pinhole_view(camera, turning, FieldOfView::kAuto, "test").kept, FieldOfView::kValid);
+  expect_input_error([&] { pinhole_view(camera, turning, FieldOfView::kFull, "a.jpg"); },
+                     {"a.jpg", "turns back"});
+}
+
+// r(1 − r²) turns back at r = √(1/3): what lies beyond is shown by no pixel.
+TEST(PinholeView, RaysBeyondATurnAreShownNowhere) {
+  const Lens turning{.k1 = -1};
+  EXPECT_NEAR(turning.outward_reach(0, 12), std::sqrt(1 / 3.0), 0.01);
+  EXPECT_EQ(Lens{.k1 = 0.1}.outward_reach(0, 12), 12);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "ingest/files/png.h"
 #include "ingest/images/resampling.h"
 #include "ingest/ingest.h"
+#include "ingest/poses/pinhole_view.h"
 #include "ingest/poses/transforms_values.h"
 #include "ingest/prepared/transforms_json.h"
 #include "tests/ingest/layouts/capture_fixture.h"
@@ -77,29 +78,40 @@ TEST(PhotoDistortion, TransformsAreUndistortedAndRecorded) {
     file["frames"][1]["camera_model"] = "OPENCV_FISHEYE";
     file["frames"][1]["k1"] = 0.02;
   });
-  ingest_capture(folder / "capture", folder / "scene", {}, {});
-  const Scene scene = load_scene(folder / "scene", {});
   const auto met = [](int frame, double x, double y) {
     const double r2 = x * x + y * y, r = std::sqrt(r2), a = std::atan(r);
     return frame == 0 ? glm::dvec2(x * (1 + 0.15 * r2) + 0.02 * x * y,
                                    y * (1 + 0.15 * r2) + 0.01 * (r2 + 2 * y * y))
                       : glm::dvec2(x, y) * (a * (1 + 0.02 * a * a) / r);
   };
-  for (int f = 0; f < 2; ++f) {
-    const Frame& frame = scene.frames[size_t(f)];
-    const Camera& camera = frame.camera;
-    double worst = 0;
-    for (int y = 1; y < 159; ++y)
-      for (int x = 1; x < 199; ++x) {
-        const uint8_t* rgb = frame.image.data.data() + 3 * (y * 200 + x);
-        const glm::dvec2 place = 150.0 * met(f, (x + 0.5 - camera.cx) / camera.fl_x,
-                                             (y + 0.5 - camera.cy) / camera.fl_y) +
-                                 glm::dvec2(98, 83);
-        if (place.x > 0.5 && place.x < 199.5 && place.y > 0.5 && place.y < 159.5)
-          worst =
-              std::max({worst, std::abs(rgb[0] + 0.5 - place.x), std::abs(rgb[1] + 0.5 - place.y)});
-      }
-    EXPECT_LT(worst, 0.5 + 1 / 32.0) << f;  // 8-bit rounding, OpenCV's steps of 1/32 pixel
+  for (const FieldOfView kept : {FieldOfView::kFull, FieldOfView::kValid}) {
+    IngestOptions options;
+    options.field_of_view = kept;
+    ingest_capture(folder / "capture", folder / "scene", options, {});
+    const Scene scene = load_scene(folder / "scene", {});
+    for (int f = 0; f < 2; ++f) {
+      const Frame& frame = scene.frames[size_t(f)];
+      const Camera& camera = frame.camera;
+      double worst = 0;
+      int ignored = 0, wrong = 0;
+      for (int y = 0; y < camera.height; ++y)
+        for (int x = 0; x < camera.width; ++x) {
+          const uint8_t* rgb = frame.image.data.data() + 3 * (y * camera.width + x);
+          const glm::dvec2 place = 150.0 * met(f, (x + 0.5 - camera.cx) / camera.fl_x,
+                                               (y + 0.5 - camera.cy) / camera.fl_y) +
+                                   glm::dvec2(98, 83);
+          const bool is_far = place.x < -1 || place.x > 201 || place.y < -1 || place.y > 161;
+          const bool is_seen = place.x > 0.6 && place.x < 199.4 && place.y > 0.6 && place.y < 159.4;
+          ignored += frame.mask.ignores(x, y);
+          wrong += (is_far && !frame.mask.ignores(x, y)) || (is_seen && frame.mask.ignores(x, y));
+          if (is_seen)
+            worst = std::max(
+                {worst, std::abs(rgb[0] + 0.5 - place.x), std::abs(rgb[1] + 0.5 - place.y)});
+        }
+      EXPECT_LT(worst, 0.5 + 1 / 32.0) << f;  // 8-bit rounding, OpenCV's steps of 1/32 pixel
+      EXPECT_EQ(wrong, 0) << f;
+      EXPECT_EQ(ignored > 0, kept == FieldOfView::kFull) << f;
+    }
   }
   const json applied = json::parse(read_bytes(folder / "scene/transforms.json"))["tessera"];
   EXPECT_EQ(applied["applied"]["undistortion"], "OPENCV, OPENCV_FISHEYE");
@@ -135,7 +147,7 @@ glm::dvec2 light_near(const Image8& image, const glm::dvec2& place, int reach) {
 TEST(PhotoDistortion, AGridComesBackWithThePrincipalPointOutsideOfTheImage) {
   const Camera camera{320, 174, 233, 233, 158, 260, glm::dmat3(1), glm::dvec3(0)};
   const Lens lens{.k1 = -0.27, .k2 = 0.19};
-  const Camera pinhole = undistorted_camera(camera, lens, "test");
+  const Camera pinhole = pinhole_view(camera, lens, FieldOfView::kValid, "test").camera;
   const auto in_pinhole = [&](const glm::dvec2& ray) {
     return glm::dvec2(pinhole.fl_x * ray.x + pinhole.cx, pinhole.fl_y * ray.y + pinhole.cy);
   };

@@ -68,11 +68,13 @@ void expect_rig(const TemporaryFolder& folder, const std::string& note) {
 // Bug put back: `time` alone read; seen to fail.
 TEST(FrameTimes, EveryKeyOfTimesIsRead) {
   const TemporaryFolder folder;
-  for (const char* key : {"timestamp", "t", "frame_time", "time_sec", "timestamp_ns", "seconds"}) {
+  for (const char* key : {"timestamp", "t", "frame_time", "time_sec", "timestamp_ns", "seconds",
+                          "captureTimeMs", "image_stamp"}) {
     write_rig(folder, [&](json& entry, int, int step) { entry[key] = 1.7e18 + 33333333.0 * step; });
     expect_rig(folder, fmt::format("times are those of `{}`", key));
   }
-  for (const char* key : {"frame_id", "frame_index", "time_id", "timestep", "frame"}) {
+  for (const char* key :
+       {"frame_id", "frame_index", "time_id", "timestep", "frame", "frameNr", "step"}) {
     write_rig(folder, [&](json& entry, int, int step) { entry[key] = 5 + step; });
     expect_rig(folder, fmt::format("times are those of `{}`, counted at 30 a second", key));
     EXPECT_NEAR(load_scene(folder.path(), {}).time_axis.duration, (kTimedSteps - 1) / 30.0, 1e-12);
@@ -153,6 +155,15 @@ TEST(FrameTimes, ChangingViewsWithoutTimesAreRefused) {
   SceneOptions still;
   still.allow_static = true;
   EXPECT_TRUE(load_scene(folder.path(), still).is_static);
+}
+
+// What is called otherwise is no time, whatever it does.
+TEST(FrameTimes, OtherKeysAreNoTimes) {
+  const TemporaryFolder folder;
+  for (const char* key : {"exposure_time", "timezone", "frame_rate", "iso_step"}) {
+    write_rig(folder, [&](json& entry, int, int step) { entry[key] = step; });
+    expect_input_error([&] { load_scene(folder.path(), {}); }, {"one pose", "state `time`"});
+  }
 }
 
 // Phones stamp photos. Bug put back: a key counts wherever it changes; seen to fail.

@@ -34,7 +34,7 @@ TEST_F(Timeline, TimesAreSortedAndGapsNamed) {
   EXPECT_EQ(timeline.height, 24);
   EXPECT_DOUBLE_EQ(timeline.frame_seconds, 0.04);
   EXPECT_FALSE(timeline.has_audio);
-  EXPECT_FALSE(timeline.clock);
+  EXPECT_FALSE(timeline.clock.has_value());
   ASSERT_EQ(timeline.warnings.size(), 1u);
   for (const char* part : {"cam07.mp4", "camera cam07", "gap after 0.280 s", "0.160 s long",
                            "about 3 frames are missing"})
@@ -144,18 +144,21 @@ TEST(FrameTiming, AGapIsMoreThanOneAndAHalfMedians) {
 // Known answers: 1 h of drop-frame at 30000/1001 is 107892 frames.
 TEST(ContainerClock, Timecodes) {
   const Rational ntsc{30000, 1001}, film{24, 1};
-  EXPECT_DOUBLE_EQ(timecode_seconds("01:02:03:12", film).value(), 3723.5);
-  EXPECT_DOUBLE_EQ(timecode_seconds("01:00:00;00", ntsc).value(), 107892 * 1001 / 30000.0);
-  EXPECT_DOUBLE_EQ(timecode_seconds("01:00:00:00", ntsc).value(), 108000 * 1001 / 30000.0);
-  EXPECT_FALSE(timecode_seconds("half past four", film));
-  EXPECT_FALSE(timecode_seconds("00:00:00:00", {0, 1}));
+  EXPECT_DOUBLE_EQ(timecode_clock("01:02:03:12", film)->seconds, 3723.5);
+  EXPECT_DOUBLE_EQ(timecode_clock("01:00:00;00", ntsc)->seconds, 107892 * 1001 / 30000.0);
+  EXPECT_DOUBLE_EQ(timecode_clock("01:00:00:00", ntsc)->seconds, 108000 * 1001 / 30000.0);
+  EXPECT_DOUBLE_EQ(timecode_clock("01:02:03:12", film)->day, 86400);
+  EXPECT_DOUBLE_EQ(timecode_clock("01:00:00;00", ntsc)->day, 24.0 * 107892 * 1001 / 30000.0);
+  EXPECT_DOUBLE_EQ(timecode_clock("01:00:00:00", ntsc)->day, 24.0 * 108000 * 1001 / 30000.0);
+  EXPECT_FALSE(timecode_clock("half past four", film).has_value());
+  EXPECT_FALSE(timecode_clock("00:00:00:00", {0, 1}).has_value());
 }
 
 // Cameras of 50 and 59.94 frames a second that count every second one. Bugs put back, each seen to
 // fail: the rate of the frames; the round number that the track states.
 TEST(ContainerClock, TimecodesMayCountEverySecondFrame) {
   const auto counted = [](Rational frames, double counts) {
-    return timecode_seconds("00:00:01:04", timecode_rate(frames, counts)).value();
+    return timecode_clock("00:00:01:04", timecode_rate(frames, counts))->seconds;
   };
   EXPECT_DOUBLE_EQ(counted({50, 1}, 25), 1 + 4 / 25.0);
   EXPECT_DOUBLE_EQ(counted({60000, 1001}, 30), 34 * 1001 / 30000.0);
@@ -182,8 +185,8 @@ TEST_F(Timeline, ClockIsTheTimeOfTickZero) {
   video.tags["timecode"] = "00:00:10:05";
   write_video(folder_ / "a.mkv", video);
   const VideoTimeline timeline = read_timeline(folder_ / "a.mkv");
-  ASSERT_TRUE(timeline.clock);
-  EXPECT_NEAR(*timeline.clock + timeline.seconds(0), 10.2, 1e-9);
+  ASSERT_TRUE(timeline.clock.has_value());
+  EXPECT_NEAR(timeline.clock->seconds + timeline.seconds(0), 10.2, 1e-9);
   EXPECT_NEAR(timeline.seconds(0), 2, 1e-9);
 }
 

@@ -40,7 +40,7 @@ const COLUMNS: Column<Camera>[] = [
     name: "roll",
     cell: (c) => (c.roll_degrees === null ? UNKNOWN : `${Math.round(c.roll_degrees) + 0}°`),
   },
-  { name: "role", cell: (c) => c.role + (c.leave_out ? ", left out" : "") },
+  { name: "role", cell: (c) => c.role + (c.leave_out ? ", advised to leave out" : "") },
   { name: "notes", cell: (c) => c.notes.join(", ") || UNKNOWN },
 ];
 
