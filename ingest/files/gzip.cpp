@@ -1,11 +1,13 @@
-// Calls zlib with a gzip header.
+// Compresses by libdeflate, all at once; zlib decompresses piece by piece, up to a limit.
 #include "ingest/files/gzip.h"
 
 #include <fmt/format.h>
+#include <libdeflate.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <climits>
+#include <memory>
 
 #include "kernels/base/errors.h"
 
@@ -39,18 +41,12 @@ bool is_gzip(std::string_view bytes) {
 }
 
 std::string gzip(std::string_view bytes, int level) {
-  z_stream stream{};
-  check(deflateInit2(&stream, level, Z_DEFLATED, kGzipWindow, 9, Z_DEFAULT_STRATEGY) == Z_OK,
-        "gzip: zlib does not start");
-  std::string out;
-  int state = Z_OK;
-  while (state != Z_STREAM_END) {
-    feed(stream, bytes);
-    if (stream.avail_out == 0) make_room(stream, out, kStep);
-    state = deflate(&stream, bytes.empty() ? Z_FINISH : Z_NO_FLUSH);
-  }
-  out.resize(out.size() - stream.avail_out);
-  deflateEnd(&stream);
+  const std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> deflater(
+      libdeflate_alloc_compressor(level), libdeflate_free_compressor);
+  check(deflater != nullptr, "gzip: libdeflate does not start");
+  std::string out(libdeflate_gzip_compress_bound(deflater.get(), bytes.size()), '\0');
+  out.resize(
+      libdeflate_gzip_compress(deflater.get(), bytes.data(), bytes.size(), out.data(), out.size()));
   return out;
 }
 

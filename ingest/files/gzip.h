@@ -9,8 +9,8 @@
 namespace tessera {
 
 bool is_gzip(std::string_view bytes);
-/// `level`: 1 to 9.
-std::string gzip(std::string_view bytes, int level = 9);
+/// `level`: 1 to 12.
+std::string gzip(std::string_view bytes, int level = 12);
 /// At most `limit` bytes. Errors: InputError naming `path`: damaged, cut off, or more than `limit`.
 std::string gunzip(std::string_view bytes, uint64_t limit, const std::filesystem::path& path);
 

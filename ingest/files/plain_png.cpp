@@ -200,6 +200,16 @@ bool undo_filters(size_t bytes, size_t height, uint8_t* data) {
   return true;
 }
 
+std::string big_endian_text(uint32_t number) {
+  return {char(number >> 24), char(number >> 16), char(number >> 8), char(number)};
+}
+
+void add_chunk(const char* type, const std::string& data, std::string& file) {
+  const std::string checked = type + data;
+  file += big_endian_text(uint32_t(data.size())) + checked +
+          big_endian_text(libdeflate_crc32(0, checked.data(), checked.size()));
+}
+
 }  // namespace
 
 std::optional<Image8> decode_plain_png(std::span<uint8_t> file) {
@@ -216,6 +226,35 @@ std::optional<Image8> decode_plain_png(std::span<uint8_t> file) {
   if (!undo(bytes, height, image.data.data())) return std::nullopt;
   image.data.resize(height * bytes);
   return std::move(image);
+}
+
+std::string encode_plain_png(const Image8& image) {
+  constexpr int kLevel = 2;  // of 12: half of libpng's time at a size that is 1 % larger
+  constexpr uint8_t kSub = 1;
+  const auto channels = size_t(image.channels), stride = size_t(image.width) * channels;
+  std::vector<uint8_t> rows;
+  rows.reserve((stride + 1) * size_t(image.height));
+  for (int y = 0; y < image.height; ++y) {
+    const uint8_t* const row = image.data.data() + size_t(y) * stride;
+    rows.push_back(kSub);
+    rows.insert(rows.end(), row, row + channels);
+    for (size_t x = channels; x < stride; ++x) rows.push_back(uint8_t(row[x] - row[x - channels]));
+  }
+  const std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> deflater(
+      libdeflate_alloc_compressor(kLevel), libdeflate_free_compressor);
+  if (deflater == nullptr) throw std::bad_alloc();
+  std::string data(libdeflate_zlib_compress_bound(deflater.get(), rows.size()), '\0');
+  data.resize(
+      libdeflate_zlib_compress(deflater.get(), rows.data(), rows.size(), data.data(), data.size()));
+  const auto colour_type = char(channels == 1 ? 0 : channels == 3 ? 2 : 6);
+  std::string file(reinterpret_cast<const char*>(kSignature), sizeof kSignature);
+  add_chunk("IHDR",
+            big_endian_text(uint32_t(image.width)) + big_endian_text(uint32_t(image.height)) +
+                std::string{8, colour_type, 0, 0, 0},
+            file);
+  add_chunk("IDAT", data, file);
+  add_chunk("IEND", "", file);
+  return file;
 }
 
 }  // namespace tessera

@@ -1,9 +1,10 @@
-// Decodes the PNG files that nearly all scenes consist of, several times faster than libpng. It
-// says nothing about the other files: libpng reads or refuses them.
+// Decodes the PNG files that nearly all scenes consist of, and encodes them, several times faster
+// than libpng. It says nothing about the other files: libpng reads or refuses them.
 #pragma once
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "ingest/scene.h"
 
@@ -21,5 +22,8 @@ inline uint32_t big_endian_32(const uint8_t* bytes) {
 /// transparency of one colour. Nothing where the file is of another kind or where anything in it is
 /// damaged. `file` is also the place where the compressed data are joined.
 std::optional<Image8> decode_plain_png(std::span<uint8_t> file);
+
+/// The whole file of an image of 1, 3 or 4 channels.
+std::string encode_plain_png(const Image8& image);
 
 }  // namespace tessera

@@ -25,11 +25,9 @@ namespace tessera {
 namespace {
 
 constexpr size_t kMostBytesAtOnce = size_t{1} << 30;  // libpng reads longer files piece by piece
-constexpr int kCompressionLevel = 3;  // of 9: half again the size at a quarter of the time
 
 struct Failure {
   char text[200] = "unknown libpng error";
-  int reason = 0;  // errno of a write
 };
 
 [[noreturn]] void on_error(png_structp png, png_const_charp text) {
@@ -54,15 +52,6 @@ void read_bytes(png_structp png, png_bytep to, size_t count) {
   png_error(png, std::ferror(file) != 0 ? std::strerror(errno) : "the file ends early, truncated");
 }
 
-void write_bytes(png_structp png, png_bytep from, size_t count) {
-  auto* file = static_cast<std::FILE*>(png_get_io_ptr(png));
-  if (std::fwrite(from, 1, count, file) == count) return;
-  static_cast<Failure*>(png_get_error_ptr(png))->reason = errno;
-  png_error(png, std::strerror(errno));
-}
-
-void flush_nothing(png_structp) {}
-
 struct ReadState {
   Failure failure;
   png_structp png = nullptr;
@@ -72,17 +61,6 @@ struct ReadState {
     if (png != nullptr) info = png_create_info_struct(png);
   }
   ~ReadState() { png_destroy_read_struct(&png, &info, nullptr); }
-};
-
-struct WriteState {
-  Failure failure;
-  png_structp png = nullptr;
-  png_infop info = nullptr;
-  WriteState() {
-    png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &failure, on_error, on_warning);
-    if (png != nullptr) info = png_create_info_struct(png);
-  }
-  ~WriteState() { png_destroy_write_struct(&png, &info); }
 };
 
 [[noreturn]] void refuse_image(const std::filesystem::path& path, const std::string& seen) {
@@ -195,26 +173,8 @@ void write_png(const std::filesystem::path& path, const Image8& image) {
   check(image.width > 0 && image.height > 0, "write_png of an empty image");
   check(image.channels == 1 || image.channels == 3 || image.channels == 4, "write_png channels");
   check(image.data.size() == stride * size_t(image.height), "write_png data size");
-  const int colour = image.channels == 1   ? PNG_COLOR_TYPE_GRAY
-                     : image.channels == 3 ? PNG_COLOR_TYPE_RGB
-                                           : PNG_COLOR_TYPE_RGB_ALPHA;
   AtomicFile file(path);
-  WriteState state;
-  if (state.info == nullptr) throw std::bad_alloc();
-  const bool written = guarded(state.png, [&] {
-    png_set_user_limits(state.png, kMaxPngSide, kMaxPngSide);
-    png_set_write_fn(state.png, file.file(), write_bytes, flush_nothing);
-    png_set_compression_level(state.png, kCompressionLevel);
-    png_set_filter(state.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB | PNG_FILTER_UP);
-    png_set_IHDR(state.png, state.info, png_uint_32(image.width), png_uint_32(image.height), 8,
-                 colour, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_write_info(state.png, state.info);
-    for (int y = 0; y < image.height; ++y)
-      png_write_row(state.png, image.data.data() + size_t(y) * stride);
-    png_write_end(state.png, nullptr);
-  });
-  if (!written && state.failure.reason != 0) fail_to_write(path, state.failure.reason);
-  check(written, state.failure.text);
+  file.write(encode_plain_png(image));
   file.commit();
 }
 

@@ -1,11 +1,10 @@
-// A scoring pass over batches of frames in the order of their timesteps, the test that ends it
-// early, and the contributions from its sums.
+// A scoring pass over batches of frames in the order of their timesteps, and the contributions from
+// its sums.
 #include "recon4d/reduction/contributions.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <string_view>
 
 namespace tessera {
@@ -86,13 +85,12 @@ double Contributions::psnr_after(double added) const {
 }
 
 Contributions measure_contributions(Backend& backend, const GaussianModel& model,
-                                    const FrameSample& sample, const ElementPrices& prices) {
+                                    const FrameSample& sample, int64_t frames) {
   Contributions contributions;
   contributions.motion_known = !sample.moving.empty();
   contributions.gain_variance = gain_variance(sample);
   ElementBuffers elements(backend, model, true);
   ScoringPass pass(backend, model, true);
-  Buffer<ElementSums<float>> sums;
   double squared_error = 0;  // of what was drawn
   int64_t samples = 0;
   const auto draw = [&](int64_t begin, int64_t end) {
@@ -101,32 +99,19 @@ Contributions measure_contributions(Backend& backend, const GaussianModel& model
     for (int64_t i = begin; i < end; ++i) samples += counted_samples(sample.frame(i));
     pass.add_to(elements);
   };
-  const auto scale_to_all = [&](double share) {
-    contributions.share = share;
-    contributions.squared_error = squared_error / share;
-    contributions.samples = double(samples) / share;
-    sums.copy_from(elements.sums);
-    int64_t first = 0;
-    for (int k = 0; k < 2; ++k) {
-      const int64_t count = (k == 0 ? model.static_set : model.dynamic_set).count();
-      contributions.sets[k].resize(count);
-      read_sums(sums, first, share, contributions.motion_known, contributions.sets[k]);
-      first += count;
-    }
-  };
-  const auto so_far = [&](double share) {
-    scale_to_all(share);
-    PricedErrors now;
-    now.squared_error = squared_error;
-    for (const SetContributions& set : contributions.sets)
-      for (size_t n = 0; n < set.weight.size(); ++n)
-        now.error.push_back(share * set.removal_cost(n));
-    now.price = prices(contributions);
-    for (double& price : now.price) price *= share;
-    return now;
-  };
-  scale_to_all(
-      draw_until_precise(sample, draw, prices ? so_far : std::function<PricedErrors(double)>()));
+  const double share = draw_sample(sample, frames, draw);
+  contributions.share = share;
+  contributions.squared_error = squared_error / share;
+  contributions.samples = double(samples) / share;
+  Buffer<ElementSums<float>> sums;
+  sums.copy_from(elements.sums);
+  int64_t first = 0;
+  for (int k = 0; k < 2; ++k) {
+    const int64_t count = (k == 0 ? model.static_set : model.dynamic_set).count();
+    contributions.sets[k].resize(count);
+    read_sums(sums, first, share, contributions.motion_known, contributions.sets[k]);
+    first += count;
+  }
   Buffer<TimeVariation> variation;
   variation.copy_from(elements.variation);
   for (int64_t n = 0; n < variation.size(); ++n)
@@ -134,43 +119,17 @@ Contributions measure_contributions(Backend& backend, const GaussianModel& model
   return contributions;
 }
 
-double regret(const std::vector<double>& first, const std::vector<double>& second,
-              const std::vector<double>& price) {
-  double lost = 0;
-  for (size_t n = 0; n < price.size(); ++n) {
-    const double a = first[n], b = second[n], p = price[n];
-    lost += (a <= p ? b : p) - std::min(b, p) + (b <= p ? a : p) - std::min(a, p);
-  }
-  return lost / 2;
-}
-
-double draw_until_precise(const FrameSample& sample,
-                          const std::function<void(int64_t begin, int64_t end)>& draw,
-                          const std::function<PricedErrors(double share)>& so_far) {
+double draw_sample(const FrameSample& sample, int64_t frames,
+                   const std::function<void(int64_t begin, int64_t end)>& draw) {
   const int64_t batch = sample.at_once();
-  const auto sweeps = int64_t(sample.sweeps.size());
-  int64_t drawn_frames = 0;
-  std::vector<double> first;  // errors by the first half
-  for (int64_t sweep = 0; sweep < sweeps; ++sweep) {
-    const FrameRange& frames = sample.sweeps[size_t(sweep)];
-    for (int64_t begin = frames.begin; begin < frames.end; begin += batch)
-      draw(begin, std::min(begin + batch, frames.end));
-    drawn_frames += frames.end - frames.begin;
-    const int64_t drawn = sweep + 1;
-    if (!so_far || drawn == sweeps || (drawn & (drawn - 1)) != 0) continue;
-    PricedErrors now = so_far(double(drawn_frames) / double(sample.count()));
-    if (drawn > 1) {
-      std::vector<double> second = now.error;
-      for (size_t n = 0; n < second.size(); ++n) second[n] -= first[n];
-      for (double& price : now.price) price /= 2;
-      const double prices = std::accumulate(now.price.begin(), now.price.end(), 0.0);
-      if (regret(first, second, now.price) <=
-          std::max(kRegretOfPrice * prices, kRegretOfError * now.squared_error / 2))
-        return double(drawn_frames) / double(sample.count());
-    }
-    first = std::move(now.error);
+  int64_t drawn = 0;
+  for (const FrameRange& sweep : sample.sweeps) {
+    for (int64_t begin = sweep.begin; begin < sweep.end; begin += batch)
+      draw(begin, std::min(begin + batch, sweep.end));
+    drawn += sweep.end - sweep.begin;
+    if (drawn >= frames) break;
   }
-  return 1;
+  return sample.count() == 0 ? 1 : double(drawn) / double(sample.count());
 }
 
 }  // namespace tessera

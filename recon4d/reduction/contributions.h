@@ -5,6 +5,7 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "recon4d/evaluation/frame_sample.h"
@@ -57,38 +58,17 @@ struct Contributions {
   double psnr_after(double added) const;  // dB, of the mean squared error with so much more
 };
 
-/// The price of each element, [N] static set first: the squared error over all training frames up
-/// to which it is given up, by what is known of them.
-using ElementPrices = std::function<std::vector<double>(const Contributions&)>;
+/// Frames that a decision draws: a sample, as more of them decide alike.
+inline constexpr int64_t kSampledFrames = 256;
 
-/// Draws frames until removals at these prices are decided precisely (draw_until_precise); without
-/// `prices` all.
+/// Draws as many sweeps of `sample` as have `frames`, or all. `draw`: frames [begin, end) of
+/// `sample`, at most FrameSample::at_once. Returns the share of the frames that were drawn.
+double draw_sample(const FrameSample& sample, int64_t frames,
+                   const std::function<void(int64_t begin, int64_t end)>& draw);
+
+/// By the sweeps of `sample` that have `frames`, scaled to all. What these do not draw is unknown.
 Contributions measure_contributions(Backend& backend, const GaussianModel& model,
-                                    const FrameSample& sample, const ElementPrices& prices = {});
-
-/// An element is given up where the squared error that this adds is no more than its price. What
-/// that costs when `first`, the errors by one half of the frames, decide and `second`, those by the
-/// other half, judge, beyond the least possible; mean of that and of the other way round. Squared
-/// error. `price`: by one half. 0: the halves decide alike. All [N].
-double regret(const std::vector<double>& first, const std::vector<double>& second,
-              const std::vector<double>& price);
-
-/// A pass is precise enough where the regret of its halves is no more than this share of the price
-/// of all elements, or than that of the images' squared error, which is 0.05 dB. Of the whole it is
-/// half of that of the halves, or less: it has half of their variance.
-inline constexpr double kRegretOfPrice = 0.02, kRegretOfError = 0.0116;
-
-/// Errors [N] of a pass so far, and the prices and the images' squared error in the same frames.
-struct PricedErrors {
-  std::vector<double> error, price;
-  double squared_error = 0;
-};
-
-/// Draws sweeps of `sample` and calls `so_far` after 1, 2, 4, … of them, until the halves decide
-/// alike; without `so_far` all. `draw`: frames [begin, end) of `sample`, at most
-/// FrameSample::at_once. Returns the share of the frames that were drawn.
-double draw_until_precise(const FrameSample& sample,
-                          const std::function<void(int64_t begin, int64_t end)>& draw,
-                          const std::function<PricedErrors(double share)>& so_far);
+                                    const FrameSample& sample,
+                                    int64_t frames = std::numeric_limits<int64_t>::max());
 
 }  // namespace tessera

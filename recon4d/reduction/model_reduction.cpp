@@ -119,8 +119,8 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   const auto begin = std::chrono::steady_clock::now();
   trainer.release_step_buffers();
   const FrameSample sample = trainer.sample_frames();
-  const auto measure = [&](const ElementPrices& prices) {
-    return measure_contributions(backend_, trainer.drawn_model(), sample, prices);
+  const auto measure = [&] {
+    return measure_contributions(backend_, trainer.drawn_model(), sample, kSampledFrames);
   };
   ReductionReport report;
   report.iteration = due.iteration;
@@ -129,7 +129,7 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   std::optional<Contributions> contributions;  // of the model as it is
   if (due.motion && has_timesteps(sample)) {
     MotionDecision decision;
-    contributions = measure(knee_prices(trainer.drawn_model()));
+    contributions = measure();
     report_pass(*contributions, sample, report);
     if (state.trains(0)) {
       decision = decide_motion(backend_, trainer.drawn_model(), *contributions, sample, due);
@@ -150,7 +150,7 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
     }
   }
   if (due.prune) {
-    if (!contributions) contributions = measure(knee_prices(trainer.drawn_model()));
+    if (!contributions) contributions = measure();
     report_pass(*contributions, sample, report);
     std::vector<Removal> order = removal_order(state.model, *contributions, !state.trains(0));
     SizeRequest request = size_request(validation, state.goal, due.rounds_left);
@@ -164,9 +164,7 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
     for (int64_t now = seen; now > choice.after;) {
       now = next_cut(now, choice.after);
       trainer.apply(cut_to(order, now));
-      contributions = measure([&](const Contributions&) {
-        return element_prices(trainer.drawn_model(), choice.error_per_byte);
-      });
+      contributions = measure();
       order = removal_order(state.model, *contributions, !state.trains(0));
     }
     if (!order.empty()) report.psnr_after = contributions->psnr_after(0);

@@ -101,22 +101,6 @@ double error_per_byte_at(const std::vector<Removal>& order, int64_t count) {
   return gone <= 0 ? 0 : order[size_t(gone - 1)].error_per_byte();
 }
 
-std::vector<double> element_prices(const GaussianModel& model, double error_per_byte,
-                                   const ByteRates& rates) {
-  const int degree = model.drawing.sh_degree;
-  std::vector<double> prices(size_t(model.count()), error_per_byte * rates.bytes_of(true, degree));
-  std::fill_n(prices.begin(), model.static_set.count(),
-              error_per_byte * rates.bytes_of(false, degree));
-  return prices;
-}
-
-ElementPrices knee_prices(const GaussianModel& model, const ByteRates& rates) {
-  return [&model, rates](const Contributions& known) {
-    const std::vector<Removal> order = removal_order(model, known, false, rates);
-    return element_prices(model, error_per_byte_at(order, knee_count(order, known)), rates);
-  };
-}
-
 KeptElements kept_elements(const GaussianModel& model, const std::vector<Removal>& order,
                            int64_t count) {
   const auto removable = int64_t(order.size());

@@ -55,12 +55,6 @@ int64_t knee_count(const std::vector<Removal>& order, const Contributions& contr
 /// there; 0 where nothing goes.
 double error_per_byte_at(const std::vector<Removal>& order, int64_t count);
 
-/// The price of each element, [N] static set first: its bytes at this slope.
-std::vector<double> element_prices(const GaussianModel& model, double error_per_byte,
-                                   const ByteRates& rates = {});
-/// The same at the slope of the knee of what is known. The model must outlive it.
-ElementPrices knee_prices(const GaussianModel& model, const ByteRates& rates = {});
-
 /// Elements of each set that are left when only `count` are, ascending: exactly so many, or all
 /// where there are fewer; those that are not in the order always.
 struct KeptElements {

@@ -27,7 +27,7 @@ int64_t largest_good(int64_t low, int64_t high, int64_t step,
 GaussianModel without_still_dynamic(Backend& backend, const GaussianModel& model,
                                     const FrameSample& sample) {
   const std::vector<int64_t> still =
-      still_dynamic(measure_contributions(backend, model, sample, knee_prices(model)));
+      still_dynamic(measure_contributions(backend, model, sample, kSampledFrames));
   KeptElements kept;
   for (int64_t n = 0; n < model.static_set.count(); ++n) kept.set_elements[0].push_back(n);
   for (int64_t n = 0; n < model.dynamic_set.count(); ++n)

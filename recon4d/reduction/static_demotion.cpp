@@ -31,35 +31,26 @@ struct Added {
   double total = 0;
 };
 
-/// Candidates are the last elements of the trial's static set; `allowed`: as of try_demotion. Both
-/// models are drawn batch by batch: nothing is kept of a frame.
+/// Candidates are the last elements of the trial's static set. Both models are drawn batch by
+/// batch: nothing is kept of a frame.
 Added added_error(Backend& backend, const GaussianModel& model, const GaussianModel& trial,
-                  int64_t candidates, const FrameSample& sample, double allowed) {
+                  int64_t candidates, const FrameSample& sample) {
   ScoringPass before(backend, model, false), after(backend, trial, true);
   ElementBuffers elements(backend, trial, false);
-  double squared_error = 0, total = 0;  // of what was drawn
-  const auto draw = [&](int64_t begin, int64_t end) {
+  double total = 0;  // of what was drawn
+  const double share = draw_sample(sample, kSampledFrames, [&](int64_t begin, int64_t end) {
     before.draw(sample, begin, end);
     after.draw_frames_of(before);
-    const double error = before.squared_error();
-    squared_error += error;
-    total += after.squared_error() - error;
+    total += after.squared_error() - before.squared_error();
     after.compare(before);
     after.add_to(elements);
-  };
+  });
   Buffer<ElementSums<float>> sums;
+  sums.copy_from(elements.sums);
   const int64_t first = trial.static_set.count() - candidates;
-  const auto so_far = [&](double share) {
-    sums.copy_from(elements.sums);
-    PricedErrors now;
-    now.squared_error = squared_error;
-    for (int64_t i = 0; i < candidates; ++i) now.error.push_back(double(sums[first + i].image[0]));
-    now.price.assign(size_t(candidates), allowed * share);
-    return now;
-  };
-  const double share = draw_until_precise(sample, draw, so_far);
-  Added added{so_far(share).error, total / share};
-  for (double& error : added.error) error /= share;
+  Added added{{}, total / share};
+  for (int64_t i = 0; i < candidates; ++i)
+    added.error.push_back(double(sums[first + i].image[0]) / share);
   return added;
 }
 
@@ -101,7 +92,7 @@ DemotionTrial try_demotion(Backend& backend, const GaussianModel& model,
     const GaussianSet candidates = taken_elements(backend, demoted, verdict.accepted);
     const Added added =
         added_error(backend, model, tried(backend, model, candidates, verdict.accepted),
-                    candidates.count(), sample, allowed);
+                    candidates.count(), sample);
     verdict = judge({verdict.accepted, added.error, added.total, allowed, round + 1 == rounds});
   }
   DemotionTrial trial(backend.memory());

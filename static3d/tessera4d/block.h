@@ -14,7 +14,7 @@ struct BlockRules {
   bool lossless = false;
   int sh_degree = 3;      // degrees that are written
   Cutoff<double> cutoff;  // of the model
-  int gzip_level = 9;     // 1 to 9
+  int gzip_level = 12;    // 1 to 12
 };
 
 struct Block {

@@ -42,7 +42,7 @@ StreamWords as_floats(std::string name, int components, const std::vector<float>
 /// What a reader gets for Gaussian n.
 float value_at(const StreamWords& stream, int component, int64_t n);
 
-/// The bytes of the stream as a block holds them. `gzip_level`: 1 to 9.
+/// The bytes of the stream as a block holds them. `gzip_level`: 1 to 12.
 std::string packed_stream(const StreamWords& stream, int gzip_level);
 /// Errors: InputError naming `path`: damaged, or not as long as it should be.
 StreamWords read_stream(std::string_view block, const StreamInfo& info,

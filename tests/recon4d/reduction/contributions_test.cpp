@@ -322,17 +322,36 @@ TEST(Contributions, TimestepAndOpacityAreMeansByLight) {
   EXPECT_EQ(set.opacity[1], 0.0f) << "without light it is nothing, and no division by it";
 }
 
-/// Two passes over 8 cameras × 64 timesteps: all frames, and as few as a pass can have.
+// Whole sweeps, batch by batch, until there are enough frames.
+TEST(Contributions, ASampleIsWholeSweeps) {
+  Scene scene;
+  scene.frames.resize(1);
+  scene.frames[0].camera.width = scene.frames[0].camera.height = 1024;
+  FrameSample sample;
+  sample.scene = &scene;
+  for (int k = 0; k < 8; ++k) sample.sweeps.push_back({10 * k, 10 * k + 10});
+  sample.frames.resize(80);
+  for (const auto [frames, drawn] : {std::pair{0, 10}, {10, 10}, {11, 20}, {80, 80}, {999, 80}}) {
+    int64_t next = 0;
+    const double share = draw_sample(sample, frames, [&](int64_t begin, int64_t end) {
+      EXPECT_EQ(begin, next);
+      EXPECT_LE(end - begin, 4);
+      EXPECT_EQ(begin / 10, (end - 1) / 10) << "of one sweep";
+      next = end;
+    });
+    EXPECT_EQ(next, drawn);
+    EXPECT_DOUBLE_EQ(share, drawn / 80.0);
+  }
+}
+
+/// Two passes over 8 cameras × 64 timesteps: all frames, and two sweeps of 32.
 struct ShortAndWhole {
   Contributions few, all;
 };
 ShortAndWhole short_and_whole(const GaussianModel& model, const Scene& scene) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   const FrameSample sample = sample_training_frames(scene);
-  const auto nothing_is_worth_anything = [&](const Contributions&) {
-    return std::vector<double>(size_t(model.count()), 0.0);
-  };
-  return {measure_contributions(*backend, model, sample, nothing_is_worth_anything),
+  return {measure_contributions(*backend, model, sample, 64),
           measure_contributions(*backend, model, sample)};
 }
 
