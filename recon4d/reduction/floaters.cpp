@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
 #include "kernels/math/splat.h"
 #include "kernels/pipeline.h"
 #include "recon4d/evaluation/render.h"
@@ -100,11 +101,13 @@ Support measure_support(Backend& backend, const GaussianModel& model, const Came
     for (const View& view : views) {
       const Buffer<ElementSums<float>>& sums = pass.draw(view, drawn);
       const float pixels = float(view.camera.width) * float(view.camera.height);
-      for (size_t n = 0; n < count; ++n) {
-        const float weight = sums[int64_t(n)].weight;
-        of_camera[n] += double(weight);
-        support.extent[n] = std::max(support.extent[n], weight / pixels);
-      }
+      parallel_for(int64_t(count), 1 << 13, [&](int64_t first, int64_t last) {
+        for (auto n = size_t(first); n < size_t(last); ++n) {
+          const float weight = sums[int64_t(n)].weight;
+          of_camera[n] += double(weight);
+          support.extent[n] = std::max(support.extent[n], weight / pixels);
+        }
+      });
     }
     for (size_t n = 0; n < count; ++n) {
       sum[n] += of_camera[n];

@@ -331,7 +331,7 @@ TEST(Contributions, ASampleIsWholeSweeps) {
   sample.scene = &scene;
   for (int k = 0; k < 8; ++k) sample.sweeps.push_back({10 * k, 10 * k + 10});
   sample.frames.resize(80);
-  for (const auto [frames, drawn] : {std::pair{0, 10}, {10, 10}, {11, 20}, {80, 80}, {999, 80}}) {
+  for (const auto& [frames, drawn] : {std::pair{0, 10}, {10, 10}, {11, 20}, {80, 80}, {999, 80}}) {
     int64_t next = 0;
     const double share = draw_sample(sample, frames, [&](int64_t begin, int64_t end) {
       EXPECT_EQ(begin, next);
