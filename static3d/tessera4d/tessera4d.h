@@ -15,7 +15,7 @@ struct Tessera4dOptions {
   double segment_seconds = 1;  // of level 1
   bool lossless = false;
   int gzip_level = 12;  // 1 to 12
-  double fps = 0;      // of the capture, for players that step by frames; 0: not known
+  double fps = 0;       // of the capture, for players that step by frames; 0: not known
   std::vector<PlayerCamera> cameras;  // in the model's world
   std::string audio;                  // beside the manifest
   std::string generator = "tessera";
