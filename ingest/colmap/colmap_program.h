@@ -2,6 +2,7 @@
 // log.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -30,6 +31,17 @@ class ColmapFailure : public InputError {
   std::string reason;         // the check that failed, else the last words
   std::filesystem::path log;  // of all that it printed
 };
+
+/// What `make` returns; nothing where COLMAP finds no common points.
+template <class Make>
+auto with_points(const Make& make) -> std::optional<decltype(make())> {
+  try {
+    return make();
+  } catch (const ColmapFailure& failure) {
+    if (!failure.has_no_common_points()) throw;
+    return std::nullopt;
+  }
+}
 
 class ColmapProgram {
  public:

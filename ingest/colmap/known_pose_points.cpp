@@ -54,12 +54,11 @@ PointCloud triangulate_set(const PosedStills& set, const std::vector<RigClip>& c
     }
     work.find_matches(colmap, {"SIMPLE_RADIAL", true}, posed.size());
     write_posed_model(work.folder / "points" / "posed", posed);
-    try {
+    const auto triangulated = with_points([&] {
       work.triangulate(colmap, work.folder / "points" / "posed", out, max_error);
-    } catch (const ColmapFailure& failure) {
-      if (failure.has_no_common_points()) return {};  // nothing moves at this timestep
-      throw;
-    }
+      return true;
+    });
+    if (!triangulated) return {};  // nothing moves at this timestep
   }
   PointCloud points = read_colmap_model(out).points;
   if (!is_known) work.store_key(key);  // not before it was read: its files may be incomplete

@@ -97,17 +97,6 @@ void RigSolver::map() const {
   }
 }
 
-/// What `make` returns; nothing where COLMAP finds no common points.
-template <class Make>
-std::optional<ColmapModel> with_points(const Make& make) {
-  try {
-    return make();
-  } catch (const ColmapFailure& failure) {
-    if (!failure.has_no_common_points()) throw;
-    return std::nullopt;
-  }
-}
-
 std::vector<PosedImage> posed_images(const ColmapModel& model) {
   std::vector<PosedImage> images;
   for (const ColmapPhoto& photo : model.photos)

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
+#include <utf8proc.h>
 
 #include <algorithm>
 #include <array>
@@ -26,23 +27,6 @@ std::filesystem::path temporary_beside(const std::filesystem::path& target) {
          fmt::format(".{}.{}-{}.partial", target.filename().string(), ::getpid(), counter++);
 }
 
-void add_utf8(uint32_t code, std::string& text) {
-  const auto tail = [&](int shift) { text += char(0x80 | ((code >> shift) & 0x3f)); };
-  if (code < 0x80) {
-    text += char(code);
-  } else if (code < 0x800) {
-    text += char(0xc0 | (code >> 6));
-    tail(0);
-  } else if (code < 0x10000) {
-    text += char(0xe0 | (code >> 12));
-    tail(6);
-    tail(0);
-  } else {
-    text += char(0xf0 | (code >> 18));
-    for (const int shift : {12, 6, 0}) tail(shift);
-  }
-}
-
 /// Of a text with its byte-order mark.
 std::string from_utf16(const std::string& bytes) {
   const bool little = bytes[0] == '\xff';
@@ -51,13 +35,15 @@ std::string from_utf16(const std::string& bytes) {
     return little ? uint32_t(first | second << 8) : uint32_t(first << 8 | second);
   };
   std::string text;
+  utf8proc_uint8_t encoded[4];
   for (size_t i = 2; i + 1 < bytes.size(); i += 2) {
     uint32_t code = unit(i);
     if (code >= 0xd800 && code < 0xdc00 && i + 3 < bytes.size()) {  // a pair of surrogates
       code = 0x10000 + ((code - 0xd800) << 10) + (unit(i + 2) - 0xdc00) % 0x400;
       i += 2;
     }
-    add_utf8(code, text);
+    const auto length = utf8proc_encode_char(utf8proc_int32_t(code), encoded);
+    text.append(reinterpret_cast<const char*>(encoded), size_t(length));
   }
   return text;
 }
@@ -173,6 +159,7 @@ std::string read_plain_text(const std::filesystem::path& path) {
 std::string plain_text(std::string bytes) {
   if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")) bytes = from_utf16(bytes);
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.erase(0, 3);
+  if (bytes.find('\r') == std::string::npos) return bytes;
   std::string text;
   text.reserve(bytes.size());
   for (size_t i = 0; i < bytes.size(); ++i)

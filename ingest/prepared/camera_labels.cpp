@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "ingest/images/image_names.h"
 
 namespace tessera {
 namespace {
+
+const std::set<std::string> kCameraWords{"camera", "cam"};
+const std::set<std::string> kNamingWords{"id", "idx", "index", "name", "number", "no"};
 
 using Folders = std::vector<std::string>;
 
@@ -67,8 +71,7 @@ std::string last_number(const std::string& stem) {
 
 std::string camera_key_of(const StatedObject& entry) {
   for (const auto& [key, value] : entry.members()) {
-    if (!is_of_words(key, {"camera", "cam"}, {"id", "idx", "index", "name", "number", "no"}))
-      continue;
+    if (!is_of_words(key, kCameraWords, kNamingWords)) continue;
     if (!value->is_string() && !value->is_number_integer()) continue;
     entry.take(key);
     return value->is_string() ? value->get<std::string>() : value->dump();

@@ -199,10 +199,11 @@ SceneClip scene_clip_of(const json& entry, const std::string& where) {
                         std::accumulate(clip.bytes.begin(), clip.bytes.end(), int64_t{0}), where);
   read_intrinsics(entry.value("stored", json()), where, clip.stored);
   read_lens(entry, where, clip);
-  const std::string view = entry.value("field_of_view", name_of(FieldOfView::kValid));
-  if (view != name_of(FieldOfView::kFull) && view != name_of(FieldOfView::kValid))
+  const std::string view = string_at(entry, "field_of_view", where);  // "": of an earlier version
+  if (view == name_of(FieldOfView::kFull))
+    clip.field_of_view = FieldOfView::kFull;
+  else if (!view.empty() && view != name_of(FieldOfView::kValid))
     refuse(where, "field_of_view");
-  if (view == name_of(FieldOfView::kFull)) clip.field_of_view = FieldOfView::kFull;
   clip.scale = finite_number(entry, "scale", where).value_or(1);
   if (!(clip.scale > 0 && clip.scale <= 1)) refuse(where, "scale");
   read_intrinsics(entry, where, clip.prepared);

@@ -85,7 +85,6 @@ void write_clip_masks(const RigClip& clip, const std::vector<CaptureFrame*>& fra
   });
   std::map<std::filesystem::path, std::string> written;
   for (CaptureFrame* frame : frames) {
-    frame->field_of_view = preparation.kept();
     if (frame->mask.empty() && !preparation.has_blanks()) continue;
     const auto [file, is_new] = written.try_emplace(
         frame->mask, fmt::format("masks/{}.png", is_shared ? clip.name : frame->frame.name));
@@ -128,7 +127,10 @@ void write_clip(const RigClip& clip, const std::vector<CaptureFrame*>& frames,
     });
   }
   write_clip_masks(clip, frames, preparation, context, object_masks);
-  for (CaptureFrame* frame : frames) frame->frame.camera = preparation.camera();
+  for (CaptureFrame* frame : frames) {
+    frame->frame.camera = preparation.camera();
+    frame->field_of_view = preparation.kept();
+  }
   record_tone_map(tone_map, capture);
 }
 

@@ -174,7 +174,7 @@ TEST_F(SceneClips, NameASourceThatIsNotWhatItWas) {
   expect_input_error([&] { load_scene(folder_ / "clips", {}); }, {"cam01.mp4", "camera cam01"});
 }
 
-// Finds: ticks that go back are taken.
+// Finds: ticks that go back are taken; an exception of the JSON library.
 TEST_F(SceneClips, RefuseDamagedEntries) {
   ingest("clips", FramesAs::kVideo);
   const std::string whole = read_bytes(folder_ / "clips/transforms.json");
@@ -192,6 +192,8 @@ TEST_F(SceneClips, RefuseDamagedEntries) {
   refused([](json& clip) { clip["camera"] = "cam00"; }, "another clip of camera cam00");
   refused([](json& clip) { clip["stored"].erase("fl_x"); }, "fl_x");
   refused([](json& clip) { clip["mask_path"] = "masks/none.png"; }, "none.png");
+  refused([](json& clip) { clip["field_of_view"] = "auto"; }, "field_of_view");
+  refused([](json& clip) { clip["field_of_view"] = 1; }, "field_of_view");
 }
 
 // Finds: --fit-exposure is passed over.
