@@ -1,5 +1,4 @@
-// Matches cv::SIFT features by brute force with a ratio test, in parallel over pairs. Source of F =
-// K_b⁻ᵀ [t]ₓ R K_a⁻¹ with x_bᵀ F x_a = 0: Hartley and Zisserman, 2004, 9.2 and 11.4.3.
+// Matches cv::SIFT features by brute force with a ratio test, in parallel over pairs.
 #include "ingest/checks/feature_matches.h"
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include <set>
 
 #include "ingest/checks/coverage.h"
+#include "ingest/poses/epipolar.h"
 #include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
 
@@ -48,24 +48,6 @@ std::vector<int> best_of(const cv::Mat& a, const cv::Mat& b) {
   return best;
 }
 
-glm::dmat3 inverse_intrinsics(const Camera& c) {
-  return {1 / c.fl_x, 0, 0, 0, 1 / c.fl_y, 0, -c.cx / c.fl_x, -c.cy / c.fl_y, 1};
-}
-
-/// First-order distance of a match to the epipolar geometry of two cameras, pixels [Sampson].
-double sampson_distance(const Camera& a, const Camera& b, const FeatureMatch& match) {
-  const glm::dmat3 rotation = b.cam_from_world * glm::transpose(a.cam_from_world);
-  const glm::dvec3 t = b.translation - rotation * a.translation;
-  const glm::dmat3 cross{0, t.z, -t.y, -t.z, 0, t.x, t.y, -t.x, 0};
-  const glm::dmat3 fundamental =
-      glm::transpose(inverse_intrinsics(b)) * cross * rotation * inverse_intrinsics(a);
-  const glm::dvec3 p{match.ax, match.ay, 1}, q{match.bx, match.by, 1};
-  const glm::dvec3 line_b = fundamental * p, line_a = glm::transpose(fundamental) * q;
-  const double slope =
-      line_b.x * line_b.x + line_b.y * line_b.y + line_a.x * line_a.x + line_a.y * line_a.y;
-  return slope > 0 ? std::abs(glm::dot(q, line_b)) / std::sqrt(slope) : 0;
-}
-
 void match(const MatchedStations& matched, const std::vector<Features>& features,
            StationPair& pair) {
   const Features &a = features[size_t(pair.a)], &b = features[size_t(pair.b)];
@@ -74,13 +56,15 @@ void match(const MatchedStations& matched, const std::vector<Features>& features
   const Camera& camera_b = matched.stations[size_t(pair.b)].camera;
   const std::vector<int> forth = best_of(a.descriptors, b.descriptors);
   const std::vector<int> back = best_of(b.descriptors, a.descriptors);
+  const glm::dmat3 f = fundamental(camera_a, camera_b);
   const double gate = std::max(kGate, 0.03 * camera_a.width);
   for (size_t i = 0; i < forth.size(); ++i) {
     if (forth[i] < 0 || back[size_t(forth[i])] != int(i)) continue;
     // OpenCV has pixel centres at whole numbers
     const cv::Point2f p = a.places[i].pt, q = b.places[size_t(forth[i])].pt;
     FeatureMatch found{p.x + 0.5, p.y + 0.5, q.x + 0.5, q.y + 0.5, 0};
-    found.residual = sampson_distance(camera_a, camera_b, found);
+    const glm::dvec3 in_a(found.ax, found.ay, 1), in_b(found.bx, found.by, 1);
+    found.residual = std::abs(EpipolarMatch(in_b, f * in_a, glm::transpose(f) * in_b).distance());
     if (found.residual < gate) pair.matches.push_back(found);
   }
 }

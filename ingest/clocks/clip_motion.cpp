@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
+#include <map>
+#include <numeric>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
@@ -49,56 +50,26 @@ cv::Rect neighbourhood(const cv::Mat& mask) {
 const cv::Size kWindow(15, 15);  // pixels that optical flow compares
 constexpr int kLevels = 3;       // above the image itself in its pyramid
 
-struct TimedImage {
-  double seconds = 0;
-  cv::Mat image;
-  std::vector<cv::Mat> pyramid;
-};
+using Pyramid = std::vector<cv::Mat>;
+
+Pyramid pyramid_of(const cv::Mat& image) {
+  Pyramid pyramid;
+  cv::buildOpticalFlowPyramid(image, pyramid, kWindow, kLevels);
+  return pyramid;
+}
 
 /// Where the points are in the other frame; false in `found` where tracking back does not return.
-std::vector<cv::Point2f> follow(const TimedImage& from, const TimedImage& to,
+std::vector<cv::Point2f> follow(const Pyramid& from, const Pyramid& to,
                                 const std::vector<cv::Point2f>& points, std::vector<bool>& found) {
   constexpr double kReturn = 0.3;  // pixels
   std::vector<cv::Point2f> moved, back;
   std::vector<uint8_t> good, good_back;
   const cv::TermCriteria end(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 0.003);
-  cv::calcOpticalFlowPyrLK(from.pyramid, to.pyramid, points, moved, good, cv::noArray(), kWindow,
-                           kLevels, end);
-  cv::calcOpticalFlowPyrLK(to.pyramid, from.pyramid, moved, back, good_back, cv::noArray(), kWindow,
-                           kLevels, end);
+  cv::calcOpticalFlowPyrLK(from, to, points, moved, good, cv::noArray(), kWindow, kLevels, end);
+  cv::calcOpticalFlowPyrLK(to, from, moved, back, good_back, cv::noArray(), kWindow, kLevels, end);
   for (size_t i = 0; i < points.size(); ++i)
     found[i] = found[i] && good[i] && good_back[i] && cv::norm(back[i] - points[i]) < kReturn;
   return moved;
-}
-
-MovingFeatures features_of(const TimedImage& before, const TimedImage& now, const TimedImage& after,
-                           double enlarge) {
-  MovingFeatures features{now.seconds, before.seconds, after.seconds, {}, {}, {}, {}};
-  const cv::Mat mask = moving_mask(before.image, now.image, after.image);
-  const cv::Rect part = neighbourhood(mask);
-  if (part.empty()) return features;
-  const auto sift = cv::SIFT::create(kFeatures, 3, 0.03);
-  std::vector<cv::KeyPoint> keys;
-  cv::Mat descriptor;
-  sift->detectAndCompute(now.image(part), mask(part), keys, descriptor);
-  if (keys.empty()) return features;
-  std::vector<cv::Point2f> points;
-  for (const cv::KeyPoint& key : keys) points.push_back(key.pt + cv::Point2f(part.tl()));
-  std::vector<bool> found(points.size(), true);
-  const auto past = follow(now, before, points, found);
-  const auto future = follow(now, after, points, found);
-  const auto in_video = [&](const cv::Point2f& p) {  // OpenCV's (0, 0) is a pixel's centre
-    return cv::Point2d((p.x + 0.5) * enlarge, (p.y + 0.5) * enlarge);
-  };
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (!found[i]) continue;
-    features.point.push_back(in_video(points[i]));
-    features.before.push_back(in_video(past[i]));
-    features.after.push_back(in_video(future[i]));
-    cv::Mat row = descriptor.row(int(i)).clone();
-    features.descriptor.push_back(cv::Mat(row / std::max(1e-6, cv::norm(row))));
-  }
-  return features;
 }
 
 }  // namespace
@@ -112,14 +83,14 @@ GreyClip::GreyClip(const RigClip& clip, size_t bound)
   room_ = bound / size_t(size_.area());
 }
 
-void GreyClip::read(size_t first, size_t last,
+void GreyClip::read(const std::vector<size_t>& frames,
                     const std::function<void(size_t frame, const cv::Mat& image)>& on_image) {
-  size_t next = first;
+  auto next = frames.begin();
   const auto hand_over_kept = [&] {
-    for (; next < last && !kept_[next].empty(); ++next) on_image(next, kept_[next]);
+    for (; next != frames.end() && !kept_[*next].empty(); ++next) on_image(*next, kept_[*next]);
   };
   std::vector<int64_t> wanted;
-  for (size_t frame = first; frame < last; ++frame)
+  for (const size_t frame : frames)
     if (kept_[frame].empty()) wanted.push_back(clip_.timeline.ticks[frame]);
   hand_over_kept();
   const auto on_frame = [&](const VideoFrame& frame) {
@@ -128,10 +99,10 @@ void GreyClip::read(size_t first, size_t last,
     cv::Mat grey;
     cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
     if (room_ > 0) {
-      kept_[next] = grey;
+      kept_[*next] = grey;
       --room_;
     }
-    on_image(next++, grey);
+    on_image(*next++, grey);
     hand_over_kept();
     return true;
   };
@@ -147,43 +118,81 @@ MotionEnergy motion_energy(GreyClip& clip) {
   const cv::Size grid(std::max(1, int(std::lround(timeline.width / cell))),
                       std::max(1, int(std::lround(timeline.height / cell))));
   cv::Mat last, now;
-  clip.read(
-      0, std::min(timeline.ticks.size(), size_t(kMotionFrames)),
-      [&](size_t frame, const cv::Mat& image) {
-        const double scale = double(kEnergySide) / std::max(image.cols, image.rows);
-        if (scale < 1)
-          cv::resize(image, now, {}, scale, scale, cv::INTER_AREA);
-        else
-          now = image.clone();
-        if (frame > 0) {
-          cv::Mat cells;
-          cv::resize(change(last, now), cells, grid, 0, 0, cv::INTER_AREA);
-          energy.seconds.push_back(0.5 * (timeline.seconds(frame - 1) + timeline.seconds(frame)));
-          energy.cells.push_back(cells);
-        }
-        cv::swap(last, now);
-      });
+  std::vector<size_t> frames(std::min(timeline.ticks.size(), size_t(kMotionFrames)));
+  std::iota(frames.begin(), frames.end(), size_t{0});
+  clip.read(frames, [&](size_t frame, const cv::Mat& image) {
+    const double scale = double(kEnergySide) / std::max(image.cols, image.rows);
+    if (scale < 1)
+      cv::resize(image, now, {}, scale, scale, cv::INTER_AREA);
+    else
+      now = image.clone();
+    if (frame > 0) {
+      cv::Mat cells;
+      cv::resize(change(last, now), cells, grid, 0, 0, cv::INTER_AREA);
+      energy.seconds.push_back(0.5 * (timeline.seconds(frame - 1) + timeline.seconds(frame)));
+      energy.cells.push_back(cells);
+    }
+    cv::swap(last, now);
+  });
   return energy;
 }
 
-std::vector<MovingFeatures> moving_features(GreyClip& clip, double begin, double end) {
-  std::vector<MovingFeatures> all;
+std::vector<FrameTriple> frames_in(GreyClip& clip, const std::vector<Stretch>& stretches) {
   const VideoTimeline& timeline = clip.timeline();
-  const double enlarge =
-      std::max(1.0, double(std::max(timeline.width, timeline.height)) / kGreySide);
-  size_t first = 0, last = timeline.ticks.size();  // with one neighbour on either side
-  while (first + 1 < last && timeline.seconds(first + 1) < begin) ++first;
-  while (last > first + 1 && timeline.seconds(last - 2) > end) --last;
-  std::deque<TimedImage> window;
-  clip.read(first, last, [&](size_t frame, const cv::Mat& image) {
-    TimedImage& timed = window.emplace_back();
-    timed.seconds = timeline.seconds(frame);
-    timed.image = image;
-    cv::buildOpticalFlowPyramid(image, timed.pyramid, kWindow, kLevels);
-    if (window.size() > 3) window.pop_front();
-    if (window.size() == 3) all.push_back(features_of(window[0], window[1], window[2], enlarge));
-  });
+  std::vector<size_t> middles, needed;
+  for (const Stretch& stretch : stretches)
+    for (size_t i = 1; i + 1 < timeline.ticks.size(); ++i)
+      if (timeline.seconds(i) >= stretch.begin && timeline.seconds(i) <= stretch.end &&
+          (middles.empty() || i > middles.back()))
+        middles.push_back(i);
+  for (const size_t i : middles)
+    for (size_t k = i - 1; k <= i + 1; ++k)
+      if (needed.empty() || k > needed.back()) needed.push_back(k);
+  std::map<size_t, cv::Mat> images;
+  clip.read(needed, [&](size_t frame, const cv::Mat& image) { images[frame] = image; });
+  std::vector<FrameTriple> all;
+  for (const size_t i : middles) {
+    FrameTriple frame;
+    frame.enlarge = std::max(1.0, double(std::max(timeline.width, timeline.height)) / kGreySide);
+    for (size_t k = 0; k < 3; ++k) {
+      frame.seconds[k] = timeline.seconds(i - 1 + k);
+      frame.image[k] = images[i - 1 + k];
+    }
+    if (!frame.image[0].empty() && !frame.image[1].empty() && !frame.image[2].empty())
+      all.push_back(std::move(frame));  // a truncated clip ends early
+  }
   return all;
+}
+
+MovingFeatures moving_features(const FrameTriple& frame) {
+  const auto& [before, now, after] = frame.image;
+  MovingFeatures features{frame.seconds[1], frame.seconds[0], frame.seconds[2], {}, {}, {}, {}};
+  const cv::Mat mask = moving_mask(before, now, after);
+  const cv::Rect part = neighbourhood(mask);
+  if (part.empty()) return features;
+  const auto sift = cv::SIFT::create(kFeatures, 3, 0.03);
+  std::vector<cv::KeyPoint> keys;
+  cv::Mat descriptor;
+  sift->detectAndCompute(now(part), mask(part), keys, descriptor);
+  if (keys.empty()) return features;
+  std::vector<cv::Point2f> points;
+  for (const cv::KeyPoint& key : keys) points.push_back(key.pt + cv::Point2f(part.tl()));
+  std::vector<bool> found(points.size(), true);
+  const Pyramid here = pyramid_of(now);
+  const auto past = follow(here, pyramid_of(before), points, found);
+  const auto future = follow(here, pyramid_of(after), points, found);
+  const auto in_video = [&](const cv::Point2f& p) {  // OpenCV's (0, 0) is a pixel's centre
+    return cv::Point2d((p.x + 0.5) * frame.enlarge, (p.y + 0.5) * frame.enlarge);
+  };
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (!found[i]) continue;
+    features.point.push_back(in_video(points[i]));
+    features.before.push_back(in_video(past[i]));
+    features.after.push_back(in_video(future[i]));
+    cv::Mat row = descriptor.row(int(i)).clone();
+    features.descriptor.push_back(cv::Mat(row / std::max(1e-6, cv::norm(row))));
+  }
+  return features;
 }
 
 }  // namespace tessera

@@ -17,9 +17,9 @@ class GreyClip {
   GreyClip(const RigClip& clip, size_t bound);
 
   const VideoTimeline& timeline() const { return clip_.timeline; }
-  /// Calls `on_image` with the frames from `first` to before `last`, in order. Only those that
-  /// are not kept are decoded. Errors: those of decode_clip.
-  void read(size_t first, size_t last,
+  /// Calls `on_image` with these frames, which ascend, in one pass. Only those that are not kept
+  /// are decoded. Errors: those of decode_clip.
+  void read(const std::vector<size_t>& frames,
             const std::function<void(size_t frame, const cv::Mat& image)>& on_image);
 
  private:
@@ -47,12 +47,28 @@ MotionEnergy motion_energy(GreyClip& clip);
 struct MovingFeatures {
   double seconds = 0, before_seconds = 0, after_seconds = 0;
   std::vector<cv::Point2d> point, before, after;  // [K]
-  cv::Mat descriptor;                             // [K, 128] CV_32F, unit length
+  cv::Mat descriptor;                             // [K, kDescriptor] CV_32F, unit length
+};
+constexpr int kDescriptor = 128;
+
+/// Seconds.
+struct Stretch {
+  double begin = 0, end = 0;
 };
 
-/// Of the frames from `begin` to `end`, seconds; at most kFeatures a frame. Memory: 90 kB a
-/// frame, and what the clip keeps.
-constexpr int kFeatures = 160;
-std::vector<MovingFeatures> moving_features(GreyClip& clip, double begin, double end);
+/// A frame of a clip, and the small images of it and its neighbours.
+struct FrameTriple {
+  double seconds[3] = {};  // before, of the frame, after
+  cv::Mat image[3];
+  double enlarge = 1;  // pixels of the video a pixel of these
+};
+
+/// The frames of these stretches of the clip's time, which ascend.
+std::vector<FrameTriple> frames_in(GreyClip& clip, const std::vector<Stretch>& stretches);
+
+/// At most kFeatures: 0.2 MB. SIFT at twice the size of the images takes the time, few features or
+/// many.
+constexpr int kFeatures = 400;
+MovingFeatures moving_features(const FrameTriple& frame);
 
 }  // namespace tessera

@@ -1,32 +1,18 @@
 // Matches features along epipolar lines between frames of different times, and refines the offset
-// from the matches. Source of the Sampson distance: Hartley and Zisserman, 2004, 11.4.3.
+// from the matches.
 #include "ingest/clocks/motion_matches.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
+
+#include "ingest/poses/epipolar.h"
 
 namespace tessera {
 namespace {
 
 constexpr double kSide = 480;  // pixels of the image that misses are counted in
-
-glm::dmat3 cross_matrix(const glm::dvec3& t) {
-  return {{0, t.z, -t.y}, {-t.z, 0, t.x}, {t.y, -t.x, 0}};  // by column
-}
-
-glm::dmat3 pixels_of(const Camera& camera) {
-  return {{camera.fl_x, 0, 0}, {0, camera.fl_y, 0}, {camera.cx, camera.cy, 1}};
-}
-
-/// x_bᵀ F x_a = 0.
-glm::dmat3 fundamental(const Camera& a, const Camera& b) {
-  const glm::dmat3 turn = b.cam_from_world * glm::transpose(a.cam_from_world);
-  const glm::dvec3 move = b.translation - turn * a.translation;
-  return glm::transpose(glm::inverse(pixels_of(b))) * cross_matrix(move) * turn *
-         glm::inverse(pixels_of(a));
-}
 
 /// A feature's place and velocity at a timestep near its frame, by the parabola through its places.
 struct MovingPoint {
@@ -45,53 +31,74 @@ MovingPoint moving_point(const MovingFeatures& frame, size_t i, double seconds) 
   return {middle + t * (speed + t * bend), speed + 2 * t * bend};
 }
 
-/// Miss and slope of every pair of features; rows a, columns b.
-struct MissTable {
-  cv::Mat miss, slope;  // CV_64F
-};
-
-MissTable miss_table(const glm::dmat3& f, const MovingFeatures& a, const MovingFeatures& b,
-                     double seconds_in_b, double pixel) {
-  const int rows = int(a.point.size()), columns = int(b.point.size());
-  MissTable table{cv::Mat(rows, columns, CV_64F), cv::Mat(rows, columns, CV_64F)};
-  std::vector<MovingPoint> points;
-  for (size_t j = 0; j < b.point.size(); ++j) points.push_back(moving_point(b, j, seconds_in_b));
-  for (int i = 0; i < rows; ++i) {
-    const glm::dvec3 from(a.point[size_t(i)].x, a.point[size_t(i)].y, 1), line = f * from;
-    for (int j = 0; j < columns; ++j) {
-      const MovingPoint& to = points[size_t(j)];
-      const glm::dvec3 back = glm::transpose(f) * to.place;
-      const double length =
-          std::sqrt(line.x * line.x + line.y * line.y + back.x * back.x + back.y * back.y);
-      table.miss.at<double>(i, j) = pixel * glm::dot(to.place, line) / length;
-      table.slope.at<double>(i, j) = pixel * glm::dot(to.velocity, line) / length;
-    }
+/// The cosine of two descriptors.
+float likeness(const float* a, const float* b) {
+  using Lanes = float __attribute__((vector_size(32)));
+  constexpr int kLanes = 8;
+  Lanes sum = {}, x, y;
+  for (int k = 0; k < kDescriptor; k += kLanes) {
+    std::memcpy(&x, a + k, sizeof x);
+    std::memcpy(&y, b + k, sizeof y);
+    sum += x * y;
   }
-  return table;
+  float total = 0;
+  for (int i = 0; i < kLanes; ++i) total += sum[i];
+  return total;
 }
 
-/// Appends matches that are each other's best within the gate, clearly better than the next best;
-/// `seconds` is their time.
-void match(const MovingFeatures& a, const MovingFeatures& b, const MissTable& table, double gate,
-           double seconds, std::vector<EpipolarMiss>& misses) {
-  constexpr double kRatio = 0.8;  // of distances, best to second best (Lowe 2004)
-  cv::Mat likeness = a.descriptor * b.descriptor.t();  // cosines
-  const auto distance = [](double cosine) { return std::sqrt(std::max(0.0, 2 - 2 * cosine)); };
-  for (int i = 0; i < likeness.rows; ++i)
-    for (int j = 0; j < likeness.cols; ++j)
-      if (!(std::abs(table.miss.at<double>(i, j)) < gate)) likeness.at<float>(i, j) = -1;
-  for (int i = 0; i < likeness.rows; ++i) {
-    double best = -1, next = -1;
-    cv::Point location, other;
-    cv::Mat row = likeness.row(i).clone();
-    cv::minMaxLoc(row, nullptr, &best, nullptr, &location);
-    if (best < 0) continue;
-    row.at<float>(0, location.x) = -1;
-    cv::minMaxLoc(row, nullptr, &next);
-    cv::minMaxLoc(likeness.col(location.x), nullptr, nullptr, nullptr, &other);
-    if (other.y != i || distance(best) > kRatio * distance(next)) continue;
-    misses.push_back(
-        {table.miss.at<double>(i, location.x), table.slope.at<double>(i, location.x), seconds});
+/// The candidates of one feature by likeness, which are cosines.
+struct Likest {
+  int best = -1;  // index in the other frame
+  float likeness = -1, next = -1;
+
+  void offer(int index, float cosine) {
+    if (cosine > likeness) {
+      next = likeness;
+      likeness = cosine;
+      best = index;
+    } else {
+      next = std::max(next, cosine);
+    }
+  }
+  /// Clearly better than the next: of distances, best to second best (Lowe 2004).
+  bool is_clear() const {
+    constexpr double kRatio = 0.8;
+    const auto distance = [](double cosine) { return std::sqrt(std::max(0.0, 2 - 2 * cosine)); };
+    return likeness >= 0 && distance(likeness) <= kRatio * distance(next);
+  }
+};
+
+/// Appends matches that are each other's best within the gate, pixels of b, and clearly better than
+/// the next best. `in_b`: seconds of b's clock; `seconds`: of the misses, which count b's pixels as
+/// `pixel`.
+void match(const glm::dmat3& f, const MovingFeatures& a, const MovingFeatures& b, double in_b,
+           double gate, double seconds, double pixel, std::vector<EpipolarMiss>& misses) {
+  std::vector<MovingPoint> points;
+  std::vector<glm::dvec3> back;
+  for (size_t j = 0; j < b.point.size(); ++j) {
+    points.push_back(moving_point(b, j, in_b));
+    back.push_back(glm::transpose(f) * points.back().place);
+  }
+  std::vector<Likest> of_a(a.point.size()), of_b(b.point.size());
+  const auto line_of = [&](size_t i) { return f * glm::dvec3(a.point[i].x, a.point[i].y, 1); };
+  for (size_t i = 0; i < of_a.size(); ++i) {
+    const glm::dvec3 line = line_of(i);
+    for (size_t j = 0; j < of_b.size(); ++j) {
+      if (!EpipolarMatch(points[j].place, line, back[j]).is_within(gate)) continue;
+      const float cosine =
+          likeness(a.descriptor.ptr<float>(int(i)), b.descriptor.ptr<float>(int(j)));
+      of_a[i].offer(int(j), cosine);
+      of_b[j].offer(int(i), cosine);
+    }
+  }
+  for (size_t i = 0; i < of_a.size(); ++i) {
+    if (!of_a[i].is_clear() || of_b[size_t(of_a[i].best)].best != int(i)) continue;
+    const auto j = size_t(of_a[i].best);
+    const glm::dvec3 line = line_of(i);
+    const EpipolarMatch match(points[j].place, line, back[j]);
+    misses.push_back({pixel * match.distance(),
+                      pixel * glm::dot(points[j].velocity, line) / std::sqrt(match.square),
+                      seconds});
   }
 }
 
@@ -105,23 +112,21 @@ bool straight_point(cv::Point2d& point, const RigCamera& rig, const Camera& came
 
 }  // namespace
 
-void straighten(std::vector<MovingFeatures>& features, const RigCamera& camera, int width,
-                int height) {
+MovingFeatures straightened(const MovingFeatures& frame, const RigCamera& camera, int width,
+                            int height) {
   const Camera sized = camera.camera.resized(width, height);
-  for (MovingFeatures& frame : features) {
-    MovingFeatures kept{frame.seconds, frame.before_seconds, frame.after_seconds, {}, {}, {}, {}};
-    for (size_t i = 0; i < frame.point.size(); ++i) {
-      if (!straight_point(frame.point[i], camera, sized) ||
-          !straight_point(frame.before[i], camera, sized) ||
-          !straight_point(frame.after[i], camera, sized))
-        continue;
-      kept.point.push_back(frame.point[i]);
-      kept.before.push_back(frame.before[i]);
-      kept.after.push_back(frame.after[i]);
-      kept.descriptor.push_back(frame.descriptor.row(int(i)));
-    }
-    frame = std::move(kept);
+  MovingFeatures kept{frame.seconds, frame.before_seconds, frame.after_seconds, {}, {}, {}, {}};
+  for (size_t i = 0; i < frame.point.size(); ++i) {
+    cv::Point2d point = frame.point[i], before = frame.before[i], after = frame.after[i];
+    if (!straight_point(point, camera, sized) || !straight_point(before, camera, sized) ||
+        !straight_point(after, camera, sized))
+      continue;
+    kept.point.push_back(point);
+    kept.before.push_back(before);
+    kept.after.push_back(after);
+    kept.descriptor.push_back(frame.descriptor.row(int(i)));
   }
+  return kept;
 }
 
 std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFeatures& b,
@@ -138,8 +143,7 @@ std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFea
     if (nearest == b.frames.end() || frame.point.empty() || nearest->point.empty() ||
         std::abs(nearest->seconds - timestep) > 0.6 * b.frame_seconds)
       continue;
-    match(frame, *nearest, miss_table(f, frame, *nearest, timestep, pixel), gate,
-          frame.seconds - shift.middle, misses);
+    match(f, frame, *nearest, timestep, gate / pixel, frame.seconds - shift.middle, pixel, misses);
   }
   return misses;
 }

@@ -10,10 +10,10 @@
 
 namespace tessera {
 
-/// Moves all points of the features to where a lens without distortion shows them; `width` and
-/// `height` are the video's. Points without such a place are dropped.
-void straighten(std::vector<MovingFeatures>& features, const RigCamera& camera, int width,
-                int height);
+/// With all points where a lens without distortion shows them; `width` and `height` are the
+/// video's. Points without such a place are dropped.
+MovingFeatures straightened(const MovingFeatures& frame, const RigCamera& camera, int width,
+                            int height);
 
 /// A posed clip's features, straightened, and its pinhole camera in pixels of its video.
 struct PosedFeatures {

@@ -137,17 +137,17 @@ class MotionSync {
     });
     const std::vector<double> none(clips_.size());
     const std::vector<double> start = offsets_of(solve_offsets(int(clips_.size()), coarse));
-    Fine fine = measure_fine(start, busiest_begin(energies_, start, compared_seconds()));
+    Fine fine = measure_fine(start, compared(start));
     const bool moved = std::any_of(start.begin(), start.end(), [&](double offset) {
       return std::abs(offset) > frame_seconds_;
     });
     if (moved) {  // a mistaken coarse offset must not win over clocks that agree
-      Fine unmoved = measure_fine(none, busiest_begin(energies_, none, compared_seconds()));
+      Fine unmoved = measure_fine(none, compared(none));
       if (unmoved.support >= fine.support) fine = std::move(unmoved);
     }
     if (!all_determined(fine.pairs)) {
       // what was compared may lie where a clock that drifts is seconds off; videos begin together
-      Fine first = measure_fine(none, first_timestep());
+      Fine first = measure_fine(none, {{first_timestep(), first_timestep() + compared_seconds()}});
       fine.pairs.insert(fine.pairs.end(), first.pairs.begin(), first.pairs.end());
       fine.rates.insert(fine.rates.end(), first.rates.begin(), first.rates.end());
     }
@@ -199,17 +199,56 @@ class MotionSync {
     return true;
   }
 
-  /// From `begin` on, in the rig's time by the offsets `start`.
-  Fine measure_fine(const std::vector<double>& start, double begin) {
-    std::vector<PosedFeatures> features(clips_.size());
-    const double length = compared_seconds();
+  /// Of the busiest stretch of the rig's time, as far as all clips show it, a few frames here and
+  /// there: of one texture, neighbouring frames say nearly the same. All of it where it is short.
+  std::vector<Stretch> compared(const std::vector<double>& start) const {
+    constexpr int kGroups = 8, kFrames = 3;  // a clock that is a frame off meets two of three
+    const double length = kFrames * frame_seconds_;
+    const double begin = busiest_begin(energies_, start, compared_seconds());
+    const Stretch all{begin, begin + compared_seconds()};
+    Stretch shown = all;
+    for (size_t i = 0; i < clips_.size(); ++i) {
+      if (energies_[i].seconds.empty()) continue;
+      shown.begin = std::max(shown.begin, energies_[i].seconds.front() + start[i]);
+      shown.end = std::min(shown.end, energies_[i].seconds.back() + start[i]);
+    }
+    const double room = shown.end - shown.begin - length;
+    if (room < (kGroups - 1) * length) return {all};
+    std::vector<Stretch> groups;
+    for (int k = 0; k < kGroups; ++k) {
+      const double first = shown.begin + k * room / (kGroups - 1);
+      groups.push_back({first, first + length - 0.5 * frame_seconds_});
+    }
+    return groups;
+  }
+
+  /// `stretches`: of the rig's time by the offsets `start`.
+  Fine measure_fine(const std::vector<double>& start, const std::vector<Stretch>& stretches) {
+    std::vector<std::vector<FrameTriple>> frames(clips_.size());
     for_posed("moving features", [&](size_t i) {
-      const RigClip& clip = clips_[i];
-      PosedFeatures& posed = features[i];
-      posed.camera = clip.camera->camera.resized(energies_[i].width, energies_[i].height);
-      posed.frame_seconds = step_of(clip);
-      posed.frames = moving_features(images_[i], begin - start[i], begin + length - start[i]);
-      straighten(posed.frames, *clip.camera, energies_[i].width, energies_[i].height);
+      std::vector<Stretch> own = stretches;
+      for (Stretch& stretch : own) {
+        stretch.begin -= start[i];
+        stretch.end -= start[i];
+      }
+      frames[i] = frames_in(images_[i], own);
+    });
+    std::vector<PosedFeatures> features(clips_.size());
+    std::vector<std::pair<size_t, size_t>> all;  // clip, frame
+    for (size_t i = 0; i < clips_.size(); ++i) {
+      if (!clips_[i].camera) continue;
+      features[i].camera =
+          clips_[i].camera->camera.resized(energies_[i].width, energies_[i].height);
+      features[i].frame_seconds = step_of(clips_[i]);
+      features[i].frames.resize(frames[i].size());
+      for (size_t k = 0; k < frames[i].size(); ++k) all.emplace_back(i, k);
+    }
+    parallel_for(int64_t(all.size()), 1, [&](int64_t first, int64_t last) {
+      for (int64_t n = first; n < last; ++n) {
+        const auto [i, k] = all[size_t(n)];
+        features[i].frames[k] = straightened(moving_features(frames[i][k]), *clips_[i].camera,
+                                             energies_[i].width, energies_[i].height);
+      }
     });
     std::vector<PairShift> shifts(clips_.size() * clips_.size());
     Fine fine;

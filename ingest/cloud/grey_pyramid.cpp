@@ -34,15 +34,21 @@ std::array<float, size_t(side* side)> levels_around(const GreyImage& image, doub
   const double left = std::floor(u - 0.5), top = std::floor(v - 0.5);
   const float a = float(u - 0.5 - left), b = float(v - 0.5 - top);
   const float w00 = (1 - a) * (1 - b), w10 = a * (1 - b), w01 = (1 - a) * b, w11 = a * b;
-  const auto line = size_t(image.width);
+  using Row = std::array<float, size_t(side) + 1>;
+  const auto read = [&](int y, Row& row) {
+    const uint8_t* from = image.level.data() +
+                          size_t(int(top) + y - side / 2) * size_t(image.width) +
+                          size_t(int(left) - side / 2);
+    for (size_t x = 0; x < row.size(); ++x) row[x] = float(from[x]);
+  };
   std::array<float, size_t(side * side)> levels;
-  size_t i = 0;
-  for (int y = 0; y < side; ++y) {
-    const uint8_t* row =
-        image.level.data() + size_t(int(top) + y - side / 2) * line + size_t(int(left) - side / 2);
-    for (int x = 0; x < side; ++x, ++row)
-      levels[i++] = w00 * float(row[0]) + w10 * float(row[1]) + w01 * float(row[line]) +
-                    w11 * float(row[line + 1]);
+  Row upper, lower;
+  read(0, upper);
+  for (int y = 0; y < side; ++y, upper = lower) {
+    read(y + 1, lower);
+    float* to = levels.data() + y * side;
+    for (size_t x = 0; x < size_t(side); ++x)
+      to[x] = w00 * upper[x] + w10 * upper[x + 1] + w01 * lower[x] + w11 * lower[x + 1];
   }
   return levels;
 }

@@ -2,6 +2,7 @@
 // and the metrics share it.
 #pragma once
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
 #include "kernels/math/photometric.h"
@@ -17,6 +18,29 @@ inline int padded_index(int i, int count, Padding padding) {
   if (i >= 0 && i < count) return i;
   if (padding == Padding::kZero) return -1;
   return i < 0 ? -i : 2 * (count - 1) - i;
+}
+
+/// to[x] = Σ_k window[k] · line(k)[x], x < width, without the lines that are null. The sums of
+/// several samples are held in registers.
+template <class Real, class Line>
+void weigh(int width, const Line& line, Real* to) {
+  constexpr int kBytes = 32, kLanes = kBytes / sizeof(Real);
+  using Lanes [[gnu::vector_size(kBytes)]] = Real;
+  const Real* lines[kSsimTaps];
+  for (int k = 0; k < kSsimTaps; ++k) lines[k] = line(k);
+  const auto sum_at = [&](int x, size_t bytes) {
+    Lanes sum = {};
+    for (int k = 0; k < kSsimTaps; ++k) {
+      if (lines[k] == nullptr) continue;
+      Lanes samples = {};
+      std::memcpy(&samples, lines[k] + x, bytes);
+      sum += kSsimWindow<Real>[k] * samples;
+    }
+    std::memcpy(to + x, &sum, bytes);
+  };
+  int x = 0;
+  for (; x + kLanes <= width; x += kLanes) sum_at(x, sizeof(Lanes));
+  sum_at(x, size_t(width - x) * sizeof(Real));
 }
 
 /// A line of samples with the border that the window reaches into.
@@ -36,12 +60,8 @@ class PaddedLine {
         first[-k] = first[k];
         first[width_ - 1 + k] = first[width_ - 1 - k];
       }
-    const Real* padded = samples_.data();
-    for (int x = 0; x < width_; ++x) {
-      Real sum = Real(0);
-      for (int k = 0; k < kSsimTaps; ++k) sum += kSsimWindow<Real>[k] * padded[x + k];
-      to[x] = sum;
-    }
+    weigh(
+        width_, [&](int k) { return samples_.data() + k; }, to);
   }
 
  private:
@@ -52,14 +72,11 @@ class PaddedLine {
 /// The window over row y of lines whose rows are at row(i), [width].
 template <class Real, class Row>
 void convolve_column(int y, int width, int height, Padding padding, const Row& row, Real* to) {
-  for (int x = 0; x < width; ++x) to[x] = Real(0);
-  for (int k = 0; k < kSsimTaps; ++k) {
+  const auto line = [&](int k) -> const Real* {
     const int from_row = padded_index(y + k - kSsimRadius, height, padding);
-    if (from_row < 0) continue;
-    const Real tap = kSsimWindow<Real>[k];
-    const Real* from = row(from_row);
-    for (int x = 0; x < width; ++x) to[x] += tap * from[x];
-  }
+    return from_row < 0 ? nullptr : row(from_row);
+  };
+  weigh(width, line, to);
 }
 
 /// in and out [height, width]; `scratch` of the same size; out may be in.

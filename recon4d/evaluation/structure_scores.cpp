@@ -49,20 +49,12 @@ void add_all(const SsimMoments<double>& moments, bool is_inside, StructureSums& 
   ++sums.inside_pixels;
 }
 
-/// read(y, a, b) writes row y of both planes; b becomes a where the mask ignores.
-template <class Read, class Add>
-StructureSums sums_of(int width, int height, Padding padding, Span<const uint8_t> mask,
-                      const Read& read, const Add& add) {
+/// Of the pixels that `used(y, x)` tells; read(y, a, b) writes row y of both planes.
+template <class Read, class Used, class Add>
+StructureSums sums_of(int width, int height, Padding padding, const Read& read, const Used& used,
+                      const Add& add) {
   StructureSums sums;
-  const auto used = [&](int y, int x) {
-    return is_used(mask, size_t(y) * size_t(width) + size_t(x));
-  };
-  const auto masked = [&](int y, double* a, double* b) {
-    read(y, a, b);
-    for (int x = 0; x < width && !mask.empty(); ++x)
-      if (!used(y, x)) b[x] = a[x];
-  };
-  MomentRows<double>(width, height, padding).compute(masked, [&](int y, const auto& moments) {
+  MomentRows<double>(width, height, padding).compute(read, [&](int y, const auto& moments) {
     const bool inside = y >= kSsimRadius && y < height - kSsimRadius;
     for (int x = 0; x < width; ++x)
       if (used(y, x)) add(moments(x), inside && x >= kSsimRadius && x < width - kSsimRadius, sums);
@@ -70,18 +62,63 @@ StructureSums sums_of(int width, int height, Padding padding, Span<const uint8_t
   return sums;
 }
 
+/// One channel of two images in values of [0, 1]; b is a where the mask ignores.
+struct ChannelPair {
+  const Image8 &a, &b;
+  int channel;
+  Span<const uint8_t> mask;
+
+  bool used(int y, int x) const { return is_used(mask, size_t(y) * size_t(a.width) + size_t(x)); }
+  /// Writes columns [left, right) of row y.
+  void read(int y, int left, int right, double* to_a, double* to_b) const {
+    const auto value = [&](const Image8& image, int x) {
+      return image.data[3 * (size_t(y) * size_t(image.width) + size_t(x)) + size_t(channel)] /
+             255.0;
+    };
+    for (int x = left; x < right; ++x) {
+      to_a[x - left] = value(a, x);
+      to_b[x - left] = used(y, x) ? value(b, x) : value(a, x);
+    }
+  }
+};
+
 template <class Add>
-StructureSums sums_of(const Image8& a, const Image8& b, int channel, Padding padding,
-                      Span<const uint8_t> mask, const Add& add) {
-  const auto row = [&](const Image8& image, int y, double* to) {
-    const uint8_t* from = image.data.data() + 3 * size_t(y) * size_t(image.width) + channel;
-    for (int x = 0; x < image.width; ++x) to[x] = from[3 * x] / 255.0;
-  };
-  const auto read = [&](int y, double* to_a, double* to_b) {
-    row(a, y, to_a);
-    row(b, y, to_b);
-  };
-  return sums_of(a.width, a.height, padding, mask, read, add);
+StructureSums sums_of(const ChannelPair& pair, Padding padding, const Add& add) {
+  const int width = pair.a.width;
+  return sums_of(
+      width, pair.a.height, padding,
+      [&](int y, double* to_a, double* to_b) { pair.read(y, 0, width, to_a, to_b); },
+      [&](int y, int x) { return pair.used(y, x); }, add);
+}
+
+/// Σ SSIM with zeros outside, over the used pixels whose window reaches outside. Images
+/// that reflection needs.
+double border_sum(const ChannelPair& pair) {
+  constexpr int r = kSsimRadius;
+  const int width = pair.a.width, height = pair.a.height;
+  const struct {
+    int top, bottom, left, right;
+  } sides[] = {{0, r, 0, width},
+               {std::max(r, height - r), height, 0, width},
+               {r, height - r, 0, r},
+               {r, height - r, std::max(r, width - r), width}};
+  double sum = 0;
+  for (const auto& side : sides) {
+    // zeros beyond what is read are seen from this side alone where the images end
+    const int top = std::max(0, side.top - r), left = std::max(0, side.left - r);
+    const int right = std::min(width, side.right + r);
+    sum +=
+        sums_of(
+            right - left, std::min(height, side.bottom + r) - top, Padding::kZero,
+            [&](int y, double* to_a, double* to_b) { pair.read(top + y, left, right, to_a, to_b); },
+            [&](int y, int x) {
+              return top + y >= side.top && top + y < side.bottom && left + x >= side.left &&
+                     left + x < side.right && pair.used(top + y, left + x);
+            },
+            add_ssim)
+            .ssim;
+  }
+  return sum;
 }
 
 StructureSums sums_of(const Plane& a, const Plane& b) {
@@ -90,7 +127,8 @@ StructureSums sums_of(const Plane& a, const Plane& b) {
     std::copy_n(a.value.data() + first, a.width, to_a);
     std::copy_n(b.value.data() + first, a.width, to_b);
   };
-  return sums_of(a.width, a.height, Padding::kReflect, {}, read, add_all);
+  return sums_of(
+      a.width, a.height, Padding::kReflect, read, [](int, int) { return true; }, add_all);
 }
 
 /// Means of 2 × 2 pixels.
@@ -123,18 +161,19 @@ double multi_scale(Plane x, Plane y, const StructureSums& finest) {
   return product;
 }
 
-/// Everything that follows from the reflected moments of a channel.
-StructureScores channel_scores(const Image8& a, const Image8& b, int channel,
-                               Span<const uint8_t> mask) {
-  const StructureSums sums = sums_of(a, b, channel, Padding::kReflect, mask, add_all);
+/// Windows inside the image are the same for both borders, so that zeros cost the border alone.
+StructureScores channel_scores(const ChannelPair& pair) {
+  const auto count = double(used_pixels(pair.mask, pair.a.data.size() / 3));
+  const StructureSums sums = sums_of(pair, Padding::kReflect, add_all);
   StructureScores scores;
-  scores.reflect = sums.ssim / double(used_pixels(mask, a.data.size() / 3));
+  scores.reflect = sums.ssim / count;
+  scores.zero = (sums.inside + border_sum(pair)) / count;
   if (sums.inside_pixels > 0) {
     scores.inside = sums.inside / double(sums.inside_pixels);
     scores.inside_range2 = sums.inside_range2 / double(sums.inside_pixels);
   }
-  if (mask.empty() && std::min(a.width, a.height) >= kMultiScaleSide)
-    scores.multi_scale = multi_scale({a, channel}, {b, channel}, sums);
+  if (pair.mask.empty() && std::min(pair.a.width, pair.a.height) >= kMultiScaleSide)
+    scores.multi_scale = multi_scale({pair.a, pair.channel}, {pair.b, pair.channel}, sums);
   return scores;
 }
 
@@ -162,7 +201,7 @@ std::optional<double> ssim(const Image8& a, const Image8& b, SsimPadding padding
   const Padding border = reflect ? Padding::kReflect : Padding::kZero;
   double channel[3];
   parallel_for(3, 1, [&](int64_t c, int64_t) {
-    channel[c] = sums_of(a, b, int(c), border, mask, add_ssim).ssim /
+    channel[c] = sums_of(ChannelPair{a, b, int(c), mask}, border, add_ssim).ssim /
                  double(used_pixels(mask, a.data.size() / 3));
   });
   return (channel[0] + channel[1] + channel[2]) / 3.0;
@@ -171,14 +210,16 @@ std::optional<double> ssim(const Image8& a, const Image8& b, SsimPadding padding
 StructureScores structure_scores(const Image8& a, const Image8& b, Span<const uint8_t> mask) {
   check_pair(a, b);
   StructureScores scores, channels[3];
-  if (reflects(a)) {
-    parallel_for(3, 1,
-                 [&](int64_t c, int64_t) { channels[c] = channel_scores(a, b, int(c), mask); });
-    for (auto member : {&StructureScores::reflect, &StructureScores::inside,
-                        &StructureScores::inside_range2, &StructureScores::multi_scale})
-      scores.*member = mean_of(channels, member);
+  if (!reflects(a)) {
+    scores.zero = ssim(a, b, SsimPadding::kZero, mask);
+    return scores;
   }
-  scores.zero = ssim(a, b, SsimPadding::kZero, mask);
+  parallel_for(3, 1, [&](int64_t c, int64_t) {
+    channels[c] = channel_scores({a, b, int(c), mask});
+  });
+  for (auto member : {&StructureScores::reflect, &StructureScores::zero, &StructureScores::inside,
+                      &StructureScores::inside_range2, &StructureScores::multi_scale})
+    scores.*member = mean_of(channels, member);
   return scores;
 }
 

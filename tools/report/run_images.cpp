@@ -1,4 +1,4 @@
-// Draws each chosen view once, and colours its error before compression.
+// Draws each chosen view once; errors are coloured, and images compressed, on all threads.
 #include "tools/report/run_images.h"
 
 #include <fmt/format.h>
@@ -15,6 +15,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/video/video_encoder.h"
 
@@ -36,43 +37,57 @@ class ImageMaker {
  public:
   ImageMaker(const ViewSource& source, const std::vector<ScoredView>& views,
              const fs::path& scratch)
-      : source_(source), views_(views), scratch_(scratch / ".view.png") {}
+      : source_(source), views_(views), scratch_(scratch) {}
 
   /// Those that are not drawn yet, ascending in time: of a clip in windows one after the other.
   void draw(std::vector<size_t> wanted) {
     std::stable_sort(wanted.begin(), wanted.end(),
                      [&](size_t a, size_t b) { return views_[a].time < views_[b].time; });
+    std::vector<std::pair<Triple*, Image8>> drawn;  // without its error, and its mask
     for (const size_t view : wanted) {
       if (triples_.contains(view)) continue;
-      std::optional<RenderedView> drawn = source_(views_[view]);
-      if (!drawn) continue;
-      Image8 error = error_map(drawn->result, drawn->truth, drawn->mask);
-      triples_[view] = {std::move(drawn->truth), std::move(drawn->result), std::move(error)};
+      std::optional<RenderedView> images = source_(views_[view]);
+      if (!images) continue;
+      Triple& triple = triples_[view];
+      triple = {std::move(images->truth), std::move(images->result), {}};
+      drawn.emplace_back(&triple, std::move(images->mask));
     }
+    parallel_for(int64_t(drawn.size()), 1, [&](int64_t first, int64_t last) {
+      for (auto i = size_t(first); i < size_t(last); ++i) {
+        auto& [triple, mask] = drawn[i];
+        triple->error = error_map(triple->result, triple->truth, mask);
+      }
+    });
   }
 
   bool has(size_t view) const { return triples_.contains(view); }
 
-  ShownView shown(size_t view, int width) {
-    const Triple& images = triples_.at(view);
-    ShownView shown;
-    shown.view = view;
-    shown.truth = encoded(images.truth, width, shown);
-    shown.result = encoded(images.result, width, shown);
-    shown.error = encoded(images.error, width, shown);
+  /// Of views that are drawn.
+  std::vector<ShownView> shown(const std::vector<size_t>& views, int width) const {
+    std::vector<ShownView> shown(views.size());
+    parallel_for(int64_t(views.size()), 1, [&](int64_t first, int64_t last) {
+      for (auto i = size_t(first); i < size_t(last); ++i) {
+        const Triple& images = triples_.at(views[i]);
+        shown[i].view = views[i];
+        shown[i].truth = encoded(images.truth, width, shown[i]);
+        shown[i].result = encoded(images.result, width, shown[i]);
+        shown[i].error = encoded(images.error, width, shown[i]);
+      }
+    });
     return shown;
   }
 
  private:
-  EncodedImage encoded(const Image8& image, int width, ShownView& shown) {
+  EncodedImage encoded(const Image8& image, int width, ShownView& shown) const {
     Image8 small = narrowed_image(image, width);
     shown.width = small.width;
     shown.height = small.height;
     if (auto bytes = jpeg_bytes(small, kQuantiser)) return {"image/jpeg", std::move(*bytes)};
     small = narrowed_image(small, kStripWidth);
-    write_png(scratch_, small);
-    EncodedImage png{"image/png", read_text_file(scratch_)};
-    fs::remove(scratch_);
+    const fs::path file = scratch_ / fmt::format(".view-{}.png", shown.view);
+    write_png(file, small);
+    EncodedImage png{"image/png", read_text_file(file)};
+    fs::remove(file);
     return png;
   }
 
@@ -89,32 +104,17 @@ size_t bytes_of(const std::vector<ShownView>& views) {
   return bytes;
 }
 
-std::vector<ShownView> telling(ImageMaker& maker, const std::vector<ChosenView>& all, int width) {
-  std::vector<ShownView> views;
-  for (const ChosenView& chosen : all) {
-    if (!maker.has(chosen.view)) continue;
-    views.push_back(maker.shown(chosen.view, width));
-    views.back().role = chosen.role;
-  }
+std::vector<ShownView> telling(const ImageMaker& maker, const std::vector<ChosenView>& all,
+                               int width) {
+  std::vector<size_t> drawn;
+  for (const ChosenView& chosen : all)
+    if (maker.has(chosen.view)) drawn.push_back(chosen.view);
+  std::vector<ShownView> views = maker.shown(drawn, width);
+  for (ShownView& view : views)
+    view.role = std::find_if(all.begin(), all.end(), [&](const ChosenView& chosen) {
+                  return chosen.view == view.view;
+                })->role;
   return views;
-}
-
-/// Views of `strips` that are not in `telling`, which learns which of its own are.
-std::vector<ShownView> over_time(ImageMaker& maker, const std::vector<CameraViews>& strips,
-                                 std::vector<ShownView>& telling) {
-  std::vector<ShownView> made;
-  for (const CameraViews& camera : strips)
-    for (const size_t view : camera.views) {
-      const auto is_it = [&](const ShownView& shown) { return shown.view == view; };
-      const auto known = std::find_if(telling.begin(), telling.end(), is_it);
-      if (known != telling.end()) {
-        known->in_strip = true;
-      } else if (maker.has(view)) {
-        made.push_back(maker.shown(view, kStripWidth));
-        made.back().in_strip = true;
-      }
-    }
-  return made;
 }
 
 std::vector<size_t> views_in(const std::vector<CameraViews>& strips) {
@@ -122,6 +122,23 @@ std::vector<size_t> views_in(const std::vector<CameraViews>& strips) {
   for (const CameraViews& camera : strips)
     views.insert(views.end(), camera.views.begin(), camera.views.end());
   return views;
+}
+
+/// Views of `strips` that are not in `telling`, which learns which of its own are.
+std::vector<ShownView> over_time(const ImageMaker& maker, const std::vector<CameraViews>& strips,
+                                 std::vector<ShownView>& telling) {
+  std::vector<size_t> others;
+  for (const size_t view : views_in(strips)) {
+    const auto known = std::find_if(telling.begin(), telling.end(),
+                                    [&](const ShownView& shown) { return shown.view == view; });
+    if (known != telling.end())
+      known->in_strip = true;
+    else if (maker.has(view))
+      others.push_back(view);
+  }
+  std::vector<ShownView> made = maker.shown(others, kStripWidth);
+  for (ShownView& view : made) view.in_strip = true;
+  return made;
 }
 
 using Colour = std::array<uint8_t, 3>;
