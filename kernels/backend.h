@@ -127,6 +127,7 @@ struct ProjectBackwardArgs {
   RegulariserWeights regulariser;         // into the gradients
   /// [B, N] of a canonical set: gradient by what each Gaussian is in each view; written.
   Span<CarriedGaussian<Real>> d_carried;
+  bool by_time = false;  // the outcome has d_times
 };
 
 /// Light from beyond the scene, behind all Gaussians (math/environment.h).
@@ -190,6 +191,9 @@ struct StepOutcome {
   bool bad_values = false;       // adam_values met a non-finite gradient
   /// [B] of the mean loss by each map, of map_colours_backward after that photometric; empty: none.
   std::vector<ColourMap<double>> d_maps;
+  /// [B] of the mean loss by the time of each view, through the Gaussians of the dynamic set;
+  /// empty: the last project_backward was not asked for it.
+  std::vector<double> d_times;
 };
 
 /// A device runs behind the host: only `project`, `outcome`, `select_elements`,

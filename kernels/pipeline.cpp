@@ -80,6 +80,7 @@ void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
   project.lengths = std::as_const(lengths_).span();
   project.regulariser = args.regulariser;
   project.d_carried = d_carried_.span();
+  project.by_time = args.by_time;
   for (int set = 0; set < 2; ++set) {
     project.sinks[set] = args.sinks[set];
     project.statistics[set] = args.statistics[set];

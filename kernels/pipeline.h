@@ -24,6 +24,7 @@ struct BackwardArgs {
   Span<Real> d_environment = {};  // [H, 2H, 3] written where the forward pass had an environment
   NodeSpans<Real> d_nodes = {};   // written where it had nodes
   Real acceleration = Real(0);    // as CarryBackwardArgs::acceleration
+  bool by_time = false;           // as ProjectBackwardArgs::by_time
 };
 
 /// Gaussians, views and how they are drawn.

@@ -82,6 +82,7 @@ void CudaBackend::report() {
   };
   fetch(loss_sums_, loss_sums_host_, "copy of losses");
   fetch(map_sums_, map_sums_host_, "copy of gradients by maps of colours");
+  fetch(time_sums_, time_sums_host_, "copy of gradients by times");
   check_device(cudaMemcpyAsync(counters_host_.data() + 1, counters_.data(), sizeof(StepCounters),
                                cudaMemcpyDeviceToHost, stream_),
                "copy of counters");
@@ -99,6 +100,8 @@ StepOutcome CudaBackend::outcome() {
                                        loss_sums_host_.data()[2 * b + 1], samples));
   }
   outcome.d_maps.assign(map_sums_host_.data(), map_sums_host_.data() + map_sums_.size());
+  for (int64_t b = 0; b < time_sums_.size(); ++b)
+    outcome.d_times.push_back(double(time_sums_host_.data()[b]) / kTimeSteps);
   return outcome;
 }
 

@@ -15,6 +15,9 @@ struct StepCounters {
   unsigned invalid, bad_groups, bad_values;
 };
 
+/// To 1, in which gradients by times are added: sums of whole numbers have no order.
+inline constexpr double kTimeSteps = 4294967296.0;
+
 /// Memory of the host that the device can write to while the host continues.
 template <class T>
 class PinnedArray {
@@ -164,6 +167,8 @@ class CudaBackend final : public Backend {
   PinnedArray<ColourMap<float>> maps_host_;
   Buffer<ColourMap<double>> map_sums_{memory_};  // [B] dL/d map; empty: not asked since photometric
   PinnedArray<ColourMap<double>> map_sums_host_;
+  Buffer<long long> time_sums_{memory_};  // [B] as project_backward has them; empty: not asked
+  PinnedArray<long long> time_sums_host_;
   Buffer<double> loss_sums_{memory_};  // [B, 2] Σ|I−G|, Σ SSIM
   PinnedArray<double> loss_sums_host_;
   std::vector<ViewArgs<float>> loss_views_;  // whose loss is in loss_sums_

@@ -53,13 +53,14 @@ struct BlockArgs {
   SinkArgs<Real> sink;
   DensityStatistics<Real> statistics;
   CarriedGaussian<Real>* d_carried;  // of a canonical set: [B, set.carried_stride]
+  double* d_times;                   // [B] added to, of a dynamic set; null: not asked for
 };
 
 /// Element n of a block, whose splats are `first` … `last`.
 template <SetForm form, class Real>
 void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Real>& block,
                        const SplatRules<Real>& rules, const ColourRules<Real>& colours, int64_t n,
-                       int64_t first, int64_t last, GaussianGradient<Real>& out) {
+                       int64_t first, int64_t last, double* d_times, GaussianGradient<Real>& out) {
   const GaussianSpans<const Real>& params = block.set;
   const std::vector<ViewArgs<Real>>& views = args.forward.batch->views;
   GaussianState<Real> at_rest, room_of_state;
@@ -90,8 +91,11 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
                         of_view);
       block.d_carried[place] = carried_gradient(params.carried[place], g, of_view, sums);
     } else {
+      const Real before = sums.spacetime.mean_time;
       add_view_gradient(view, g, slice, slope, time_slope, colours, rules, splat, moments, length,
                         sums);
+      if (d_times != nullptr)  // a Gaussian knows a time by its distance from the mean in time
+        d_times[splat.view] -= double(sums.spacetime.mean_time) - double(before);
     }
     add_sh(colours, direction, slice.delta, unclamped_gradient(splat.negative, moments.colour),
            out);
@@ -109,7 +113,7 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
 template <SetForm form, class Sink, class Real>
 unsigned backward_run(const ProjectBackwardArgs<Real>& args, const BlockArgs<Real>& block,
                       const RegulariserTerms<Real>& terms, int64_t begin, int64_t end,
-                      const Sink& sink) {
+                      double* d_times, const Sink& sink) {
   const SinkArgs<Real>& wanted = block.sink;
   const IdleUpdate idle = wanted.fused ? wanted.idle : IdleUpdate::kDense;
   const GaussianSpans<const Real>& params = block.set;
@@ -127,7 +131,7 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const BlockArgs<Rea
     GaussianGradient<Real> gradient;
     std::fill_n(gradient.sh_time, params.width(kShTime), Real(0));
     if (first < last)
-      gaussian_gradient<form>(args, block, rules, colours, n, first, last, gradient);
+      gaussian_gradient<form>(args, block, rules, colours, n, first, last, d_times, gradient);
     const Real share = Real(last - first) / Real(args.forward.batch->views.size());
     add_regulariser<form>(terms, params, n, share, gradient.geometry);
     bad |= gradient.bad | non_finite_groups<form>(gradient.geometry);
@@ -143,16 +147,22 @@ template <SetForm form, class Real>
 unsigned backward_block(const ProjectBackwardArgs<Real>& args, const BlockArgs<Real>& block,
                         const RegulariserTerms<Real>& terms) {
   const SinkArgs<Real>& sink = block.sink;
+  const bool by_time = is_dynamic(form) && block.d_times != nullptr;
+  const auto views = int64_t(args.forward.batch->views.size());
+  std::vector<double> d_times(by_time ? size_t((block.set.count / kGrain + 1) * views) : 0);
   std::atomic<unsigned> bad{0};
   const auto run = [&](const auto& chosen) {
     parallel_for(block.set.count, kGrain, [&](int64_t begin, int64_t end) {
-      bad |= backward_run<form>(args, block, terms, begin, end, chosen);
+      bad |=
+          backward_run<form>(args, block, terms, begin, end,
+                             by_time ? d_times.data() + begin / kGrain * views : nullptr, chosen);
     });
   };
   if (sink.fused)
     run(ApplyAdam<Real>{sink.value, sink.moment1, sink.moment2, sink.adam});
   else
     run(StoreGradient<Real>{sink.gradient});
+  for (size_t i = 0; i < d_times.size(); ++i) block.d_times[i % size_t(views)] += d_times[i];
   return bad;
 }
 
@@ -162,15 +172,19 @@ template <class Real>
 void CpuBackend<Real>::project_backward(const ProjectBackwardArgs<Real>& args) {
   outcome_.bad_groups = 0;
   outcome_.bad_values = false;
+  outcome_.d_times.assign(args.by_time ? args.forward.batch->views.size() : 0, 0.0);
   const RegulariserTerms<Real> terms(args.regulariser,
                                      args.forward.sets[0].count + args.forward.sets[1].count);
   int64_t first_gaussian = 0;
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const Real>& spans = args.forward.sets[set];
     for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& elements) {
-      const BlockArgs<Real> block{
-          spans.block(elements), first_gaussian + elements.first, args.sinks[set].block(elements),
-          args.statistics[set].block(elements), args.d_carried.data + elements.first};
+      const BlockArgs<Real> block{spans.block(elements),
+                                  first_gaussian + elements.first,
+                                  args.sinks[set].block(elements),
+                                  args.statistics[set].block(elements),
+                                  args.d_carried.data + elements.first,
+                                  args.by_time ? outcome_.d_times.data() : nullptr};
       outcome_.bad_groups |= with_drawn_form(
           spans.form, [&](auto form) { return backward_block<form()>(args, block, terms); });
     });

@@ -41,6 +41,7 @@ struct Backward {
   RegulariserTerms<float> regulariser;
   StepCounters* counters;
   CarriedGaussian<float>* d_carried;  // of a canonical set: [B, set.carried_stride]
+  long long* d_times;                 // [B] added to, in kTimeSteps; null: not asked for
 };
 
 template <SetForm form>
@@ -81,6 +82,17 @@ __device__ inline SumsOf<form, float> splat_sums(const Backward& a, int64_t s, b
     add_to(sums);
   }
   return sums;
+}
+
+/// Adds what the splats of a warp found by the times of their views, one a thread; 0 of no splat.
+__device__ inline void add_times(const Backward& a, int view, float d_time) {
+  for (int b = 0; b < a.view_count; ++b) {
+    long long sum = view == b ? __double2ll_rn(double(d_time) * kTimeSteps) : 0;
+    for (int offset = 16; offset > 0; offset /= 2)
+      sum += __shfl_down_sync(0xffffffffu, sum, offset);
+    if (threadIdx.x % 32 == 0 && sum != 0)
+      atomicAdd(reinterpret_cast<unsigned long long*>(a.d_times + b), (unsigned long long)(sum));
+  }
 }
 
 /// Of the splats [begin, end) of this thread's Gaussian, those of the block's threads; the splat of
@@ -142,6 +154,9 @@ __global__ void __launch_bounds__(kThreads, kBlocks) geometry_backward(Backward 
     for (int k = 0; k < kSumFloats<form>; ++k)
       shared.splats.sums[k][threadIdx.x] = reinterpret_cast<const float*>(&found)[k];
     shared.splats.drawn[threadIdx.x] = drawn;
+    if constexpr (is_dynamic(form))
+      if (a.d_times != nullptr)  // a Gaussian knows a time by its distance from the mean in time
+        add_times(a, drawn ? a.splats[taken].view : 0, -found.spacetime.mean_time);
     __syncthreads();
     add_shared<form>(shared.splats, s, begin, end, sums, seen);
     __syncthreads();
@@ -327,6 +342,11 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
         cudaMemsetAsync(args.d_carried.data, 0,
                         size_t(args.d_carried.size) * sizeof(CarriedGaussian<float>), stream_),
         "memset");
+  time_sums_.resize(args.by_time ? int64_t(args.forward.batch->views.size()) : 0);
+  if (args.by_time)
+    check_device(cudaMemsetAsync(time_sums_.data(), 0,
+                                 size_t(time_sums_.size()) * sizeof(*time_sums_.data()), stream_),
+                 "memset");
   double bytes = double(args.splats->count) * (2 * (48 + 36 + 48) + 4);
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.forward.sets[set];
@@ -349,7 +369,8 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
                      sink.fused ? sink.idle : IdleUpdate::kDense,
                      terms,
                      counters_.data(),
-                     args.d_carried.data};
+                     args.d_carried.data,
+                     args.by_time ? time_sums_.data() : nullptr};
     with_drawn_form(spans.form, [&](auto form) {
       const auto run = sink.fused ? backward_set<form(), ApplyAdam<float>>
                                   : backward_set<form(), StoreGradient<float>>;

@@ -43,9 +43,28 @@ GroupError group_error(TestScene<double>& scene, TestGaussians<double>& set,
   return error;
 }
 
+/// dL/d time of each view.
+void expect_times(TestScene<double>& scene, const Backward<double>& analytic) {
+  LossProbe probe(scene);
+  const uint64_t decisions = probe.at(scene).decisions;
+  ASSERT_EQ(analytic.d_times.size(), scene.views.size());
+  double worst = 0, scale = 0;
+  for (size_t b = 0; b < scene.views.size(); ++b) {
+    const auto expected = difference(probe, scene, scene.views[b].time, decisions);
+    if (!expected) continue;
+    worst = std::max(worst, std::abs(analytic.d_times[b] - *expected));
+    scale = std::max(scale, std::abs(*expected));
+  }
+  EXPECT_GT(scale, 1e-6) << "times";
+  EXPECT_LE(worst, 1e-6 * scale) << "times";
+}
+
+// Bugs put back to the times of views, each seen to fail: the sign; the slope of levels of time
+// left out; that of the next view.
 void expect_differences(TestScene<double> scene, const std::vector<Group>& groups) {
   const Backward<double> analytic = backward(scene);
   ASSERT_EQ(analytic.bad, 0u);
+  if (scene.moving.count > 0) expect_times(scene, analytic);
   for (TestGaussians<double>* const each : {&scene.fixed, &scene.moving}) {
     TestGaussians<double>& set = *each;
     const SetForm form = set.form;

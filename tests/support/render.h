@@ -80,6 +80,7 @@ struct Backward {
   Rendered<Real> rendered;
   unsigned bad = 0;
   std::vector<ColourMap<double>> d_maps;
+  std::vector<double> d_times;
   std::vector<Real> d_environment;
   TestNodes<Real> d_nodes;
 
@@ -134,6 +135,7 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   StoredNodes<Real> d_nodes(scene.nodes.like(), memory);
   args.d_nodes = d_nodes.spans();
   args.acceleration = Real(scene.acceleration);
+  args.by_time = true;
   pipeline.backward(args);
   out.d_nodes = d_nodes.fetch();
   out.d_environment = fetched(d_environment, memory);
@@ -141,6 +143,7 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   out.losses = outcome.losses;
   out.bad = outcome.bad_groups;
   out.d_maps = outcome.d_maps;
+  out.d_times = outcome.d_times;
   out.fixed = gradients[0].fetch();
   out.moving = gradients[1].fetch();
   for (size_t set = 0; set < 2; ++set) {

@@ -22,6 +22,12 @@ class BackendGradient : public EveryBackend {
       EXPECT_NEAR(actual.losses[b].ssim, expected.losses[b].ssim, 2e-5);
       EXPECT_NEAR(actual.losses[b].total, expected.losses[b].total, 1e-5);
     }
+    double added = 0;  // what rounding is relative to
+    if (scene.moving.count > 0)
+      for (const double d : expected.moving.group[kMeanTime]) added += std::abs(d);
+    ASSERT_EQ(actual.d_times.size(), expected.d_times.size());
+    for (size_t b = 0; b < expected.d_times.size(); ++b)
+      EXPECT_NEAR(actual.d_times[b], expected.d_times[b], 1e-4 * added) << "time of view " << b;
     for (int set = 0; set < 2; ++set) {
       const auto& a = set == 0 ? actual.fixed : actual.moving;
       const auto& e = set == 0 ? expected.fixed : expected.moving;
