@@ -42,9 +42,9 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
 
 /// Lines of C++ and CUDA that each top folder may have. A feature names what it replaces, or raises
 /// the number in the commit that brings it; a cut lowers it.
-inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13630}, {"ingest", 26573},
-                                                         {"recon4d", 12405}, {"static3d", 5851},
-                                                         {"tools", 24150},   {"tests", 57453}};
+inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13632}, {"ingest", 26573},
+                                                         {"recon4d", 12597}, {"static3d", 5851},
+                                                         {"tools", 24155},   {"tests", 57573}};
 
 /// Where CUDA may be used; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",

@@ -226,12 +226,12 @@ class MotionSync {
   Fine measure_fine(const std::vector<double>& start, const std::vector<Stretch>& stretches) {
     std::vector<std::vector<FrameTriple>> frames(clips_.size());
     for_posed("moving features", [&](size_t i) {
-      std::vector<Stretch> own = stretches;
-      for (Stretch& stretch : own) {
+      std::vector<Stretch> of_clip = stretches;
+      for (Stretch& stretch : of_clip) {
         stretch.begin -= start[i];
         stretch.end -= start[i];
       }
-      frames[i] = frames_in(images_[i], own);
+      frames[i] = frames_in(images_[i], of_clip);
     });
     std::vector<PosedFeatures> features(clips_.size());
     std::vector<std::pair<size_t, size_t>> all;  // clip, frame

@@ -25,19 +25,20 @@ struct CheckpointParts {
   bool filter_sizes;
   int64_t exposures;       // rows
   int64_t exposure_width;  // numbers of a row
+  int64_t clocks;          // rows
   int64_t averaged;        // states of which the mean of the parameters is; 0: there is none
 };
 
 CheckpointParts parts_of(const TrainState& state) {
   return {state.has_filter_sizes(), state.exposure.rows(), state.exposure.width(),
-          state.average.states};
+          state.clocks.rows(), state.average.states};
 }
 
 CheckpointParts parts_of(const json& header) {
   const bool affine = header.at("options").value("exposure", "") == name_of(ExposureGains::kAffine);
   return {header.at("filter_sizes"), header.at("exposures"),
           exposure_width(affine ? ExposureGains::kAffine : ExposureGains::kCamera),
-          header.value("averaged_states", int64_t{0})};
+          header.value("clocks", int64_t{0}), header.value("averaged_states", int64_t{0})};
 }
 
 /// Elements by SH degree of a set in the header; absent where they are alike.
@@ -170,8 +171,9 @@ void check_header(const CheckpointReader& file, const json& header) {
       !within(nodes.nodes, 0, kMaxNodes) || !within(nodes.started, 0, kMost) ||
       !within(nodes.refitted, 0, kMost) ||
       !within(nodes.knots, nodes.nodes > 0 ? kSplineOrder : 0, kMaxKnots) ||
-      !within(parts.exposures, 0, kMost) || !within(parts.averaged, 0, kMost) ||
-      !within(environment, 0, int64_t{1} << 16) || !within(coefficients, 1, kMaxShCoefficients) ||
+      !within(parts.exposures, 0, kMost) || !within(parts.clocks, 0, kMost) ||
+      !within(parts.averaged, 0, kMost) || !within(environment, 0, int64_t{1} << 16) ||
+      !within(coefficients, 1, kMaxShCoefficients) ||
       !blocks_fit(of_static, statics, coefficients) ||
       !blocks_fit(of_dynamic, dynamics, coefficients) || !within(levels, 0, kMaxTimeLevels) ||
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
@@ -181,7 +183,7 @@ void check_header(const CheckpointReader& file, const json& header) {
       uint64_t(kScalar * (scalars(nodes.static_form(), statics, of_static) +
                           scalars(dynamic_form(header), dynamics, of_dynamic) + nodes.scalars() +
                           averaged() + (3 * parts.exposure_width + 1) * parts.exposures +
-                          3 * environment_scalars(environment)));
+                          4 * parts.clocks + 3 * environment_scalars(environment)));
   if (file.array_bytes() != promised)
     refuse_checkpoint(file.path(),
                       fmt::format("truncated checkpoint: {} bytes, its header promises {}",
@@ -210,6 +212,7 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
       {"train_scale", model.train_scale},
       {"filter_sizes", state.has_filter_sizes()},
       {"exposures", state.exposure.rows()},
+      {"clocks", state.clocks.rows()},
       {"environment_height", model.environment.height},
       {"options", to_json(options)},
       {"provenance", provenance.empty() ? json::object() : json::parse(provenance)},
@@ -280,10 +283,13 @@ void for_each_array(State& state, const CheckpointParts& parts, Visit&& visit) {
   visit(map.value, texels);
   visit(map.moment1, texels);
   visit(map.moment2, texels);
-  for (auto* const buffer :
-       {&state.exposure.value, &state.exposure.moment1, &state.exposure.moment2})
-    visit(*buffer, parts.exposure_width * parts.exposures);
-  visit(state.exposure.steps, parts.exposures);
+  const auto visit_rows = [&](auto& learnt, int64_t rows, int64_t width) {
+    for (auto* const buffer : {&learnt.value, &learnt.moment1, &learnt.moment2})
+      visit(*buffer, width * rows);
+    visit(learnt.steps, rows);
+  };
+  visit_rows(state.exposure, parts.exposures, parts.exposure_width);
+  visit_rows(state.clocks, parts.clocks, 1);
   auto& nodes = state.model.nodes;
   visit(nodes.position, 3 * nodes.count);
   const int64_t scalars[] = {nodes.count, 3 * nodes.count * nodes.knots,

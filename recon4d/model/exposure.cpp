@@ -24,13 +24,13 @@ constexpr double kAffineWeight = 1e-3;  // of the squares of an affine map in th
 constexpr int kAffineWidth = exposure_width(ExposureGains::kAffine);
 
 /// Mean gain of a channel before the gauge is fixed.
-double mean_gain(const ExposureState& state, int channel) {
+double mean_gain(const LearntRows& state, int channel) {
   double sum = 0;
   for (int64_t r = 0; r < state.rows(); ++r) sum += std::exp(double(state.value[3 * r + channel]));
   return sum / double(state.rows());
 }
 
-void fix_gain_gauge(ExposureState& state) {
+void fix_gain_gauge(LearntRows& state) {
   const float most = kMostStops * std::log(2.0f);
   for (int c = 0; c < 3; ++c) {
     const double shift = std::log(mean_gain(state, c));
@@ -41,7 +41,7 @@ void fix_gain_gauge(ExposureState& state) {
   }
 }
 
-void fix_affine_gauge(ExposureState& state) {
+void fix_affine_gauge(LearntRows& state) {
   for (int i = 0; i < kAffineWidth; ++i) {
     double mean = 0;
     for (int64_t r = 0; r < state.rows(); ++r) {
@@ -57,7 +57,7 @@ void fix_affine_gauge(ExposureState& state) {
 }
 
 /// [R] RGB, as colour_maps_of has them.
-std::vector<Vec3<double>> gains_of(const ExposureState& state) {
+std::vector<Vec3<double>> gains_of(const LearntRows& state) {
   const int64_t rows = state.rows();
   std::vector<Vec3<double>> gains(static_cast<size_t>(rows));
   for (int c = 0; c < 3 && rows > 0; ++c) {
@@ -96,7 +96,7 @@ ColourMap<double> affine_map(const float* row) {
 
 /// By the numbers of a row, for the sum of the gradients of its views. `share`: of the rows that a
 /// batch draws.
-std::vector<double> row_gradient(const ExposureState& state, int64_t row,
+std::vector<double> row_gradient(const LearntRows& state, int64_t row,
                                  const std::vector<Vec3<double>>& gains,
                                  const ColourMap<double>& d_map, double share) {
   std::vector<double> gradient;
@@ -139,25 +139,7 @@ ExposureRows exposure_rows(const Scene& scene, const std::vector<int>& frames,
       rows.names.front(), frames.size() > 1 ? "frame" : "none"));
 }
 
-void ExposureState::reset(int64_t rows, int width) {
-  for (Buffer<float>* values : {&value, &moment1, &moment2}) {
-    values->resize(width * rows);
-    std::fill(values->begin(), values->end(), 0.0f);
-  }
-  steps.resize(rows);
-  std::fill(steps.begin(), steps.end(), 0);
-}
-
-ExposureState ExposureState::clone() const {
-  ExposureState copy;
-  copy.value.copy_from(value);
-  copy.moment1.copy_from(moment1);
-  copy.moment2.copy_from(moment2);
-  copy.steps.copy_from(steps);
-  return copy;
-}
-
-std::vector<ColourMap<double>> colour_maps_of(const ExposureState& state) {
+std::vector<ColourMap<double>> colour_maps_of(const LearntRows& state) {
   std::vector<ColourMap<double>> maps;
   if (state.width() == 3)
     for (const Vec3<double>& gain : gains_of(state)) maps.push_back(colour_gain(gain));
@@ -168,7 +150,7 @@ std::vector<ColourMap<double>> colour_maps_of(const ExposureState& state) {
 }
 
 void step_exposure(const std::vector<int32_t>& rows, const std::vector<ColourMap<double>>& d_maps,
-                   double rate, ExposureState& state) {
+                   double rate, LearntRows& state) {
   check(rows.size() == d_maps.size(), "exposure: one gradient a view");
   const int width = state.width();
   const bool affine = width == kAffineWidth;
@@ -191,7 +173,7 @@ void step_exposure(const std::vector<int32_t>& rows, const std::vector<ColourMap
   affine ? fix_affine_gauge(state) : fix_gain_gauge(state);
 }
 
-nlohmann::json exposure_json(const ExposureRows& rows, const ExposureState& state,
+nlohmann::json exposure_json(const ExposureRows& rows, const LearntRows& state,
                              const TrainOptions& options) {
   const bool affine = options.exposure == ExposureGains::kAffine;
   nlohmann::json by_name = nlohmann::json::object();
@@ -210,11 +192,11 @@ nlohmann::json exposure_json(const ExposureRows& rows, const ExposureState& stat
   return {{"by", name_of(options.exposure)}, {affine ? "maps" : "gains", by_name}};
 }
 
-ExposureState exposure_of_json(const nlohmann::json& json, const ExposureRows& rows,
-                               const TrainOptions& options, const std::string& where) {
+LearntRows exposure_of_json(const nlohmann::json& json, const ExposureRows& rows,
+                            const TrainOptions& options, const std::string& where) {
   const bool affine = options.exposure == ExposureGains::kAffine;
   const int width = exposure_width(options.exposure);
-  ExposureState state;
+  LearntRows state;
   state.reset(int64_t(rows.names.size()), width);
   try {
     const nlohmann::json& by_name = json.at(affine ? "maps" : "gains");

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "ingest/scene.h"
-#include "kernels/base/buffer.h"
 #include "kernels/math/colour_map.h"
+#include "recon4d/model/learnt_rows.h"
 #include "recon4d/options/train_options.h"
 
 namespace tessera {
@@ -34,38 +34,26 @@ constexpr int exposure_width(ExposureGains gains) {
   return gains == ExposureGains::kAffine ? 12 : 3;
 }
 
-/// What is learnt, always in the host's memory.
-struct ExposureState {
-  Buffer<float> value, moment1, moment2;  // [R, width]
-  Buffer<int32_t> steps;                  // [R] of Adam so far; a row steps when it is drawn
-
-  int64_t rows() const { return steps.size(); }
-  int width() const { return rows() > 0 ? int(value.size() / rows()) : 0; }
-  /// Identities, nothing learnt.
-  void reset(int64_t rows, int width);
-  ExposureState clone() const;
-};
-
 /// [R] as the loss applies them. Gains are exp(log gain) over their mean, as multiples of 2⁻¹⁸ that
 /// a float holds exactly and whose sum is R to the last bit, in whatever order it is taken.
-std::vector<ColourMap<double>> colour_maps_of(const ExposureState& state);
+std::vector<ColourMap<double>> colour_maps_of(const LearntRows& state);
 
 /// A step of Adam for the rows of a batch, which may repeat: of log gains by g·dL/dg; of affine
 /// maps, at a tenth of the rate, by their gradient and that of 10⁻³·Σ(‖M‖² + ‖o‖²) over all rows.
 /// Then all rows are shifted to the gauge: gains, which are held within three stops thereafter, and
 /// affine terms, each held within a half before.
 void step_exposure(const std::vector<int32_t>& rows, const std::vector<ColourMap<double>>& d_maps,
-                   double rate, ExposureState& state);
+                   double rate, LearntRows& state);
 
 /// {"by": "camera" | "frame", "gains": {name: [r, g, b]}}, or {"by": "affine", "maps": {name:
 /// {"matrix": [[…] three rows], "offset": [r, g, b]}}}: the rendered image times these is the
 /// training image.
-nlohmann::json exposure_json(const ExposureRows& rows, const ExposureState& state,
+nlohmann::json exposure_json(const ExposureRows& rows, const LearntRows& state,
                              const TrainOptions& options);
 
 /// The way back, without moments. Errors: InputError that starts with `where`: a row that `json`
 /// has not, or values of another kind.
-ExposureState exposure_of_json(const nlohmann::json& json, const ExposureRows& rows,
-                               const TrainOptions& options, const std::string& where);
+LearntRows exposure_of_json(const nlohmann::json& json, const ExposureRows& rows,
+                            const TrainOptions& options, const std::string& where);
 
 }  // namespace tessera

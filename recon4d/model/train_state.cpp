@@ -47,6 +47,7 @@ TrainState TrainState::clone_to(Memory& memory) const {
   TrainState copy{model.clone_to(memory),
                   {statistics[0].clone_to(memory), statistics[1].clone_to(memory)},
                   exposure.clone(),
+                  clocks.clone(),
                   average.clone_to(memory)};
   copy.iteration = iteration;
   copy.sampler_epoch = sampler_epoch;

@@ -16,7 +16,8 @@ namespace tessera {
 struct TrainState {
   GaussianModel model;          // in any memory
   SetStatistics statistics[2];  // static, dynamic
-  ExposureState exposure;       // on the host
+  LearntRows exposure;          // on the host
+  LearntRows clocks;            // on the host
   ParameterAverage average;     // over the last steps; none before TrainOptions::average_from
   int64_t iteration = 0;        // steps done
   int64_t sampler_epoch = 0, sampler_position = 0;

@@ -18,6 +18,7 @@ inline constexpr int64_t kTrialIterations = 2000, kTrialBatch = 4, kTrialPixels 
 enum class Filter3d { kNone, kMip, kClamp };
 /// kAuto is decided before a training starts: kCamera where the cameras differ, else kNone.
 enum class ExposureGains { kNone, kCamera, kAffine, kFrame, kAuto };
+enum class Clocks { kFixed, kLearn };
 enum class Densification { kAdc, kBudget, kMcmc };
 /// A part of Densification::kBudget.
 enum class GrowthPart { kNone, kLongAxisSplit, kGrowthBudget, kWeightedDraw, kAbsoluteGradient };
@@ -30,6 +31,8 @@ inline constexpr const char* kEnumNames<Filter3d>[] = {"none", "mip", "clamp"};
 template <>
 inline constexpr const char* kEnumNames<ExposureGains>[] = {"none", "camera", "affine", "frame",
                                                             "auto"};
+template <>
+inline constexpr const char* kEnumNames<Clocks>[] = {"fixed", "learn"};
 template <>
 inline constexpr const char* kEnumNames<IdleUpdate>[] = {"dense", "skip"};
 template <>

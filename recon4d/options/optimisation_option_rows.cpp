@@ -25,10 +25,17 @@ void OptionRows::add_optimisation() {
       "3 %, else none). Scores and exports use the mean camera")
       .in_help();
 
+  choice<&O::clocks>(
+      "clocks", "ours",
+      "Clocks of the training cameras: fixed (as the scene states them) or learn (an "
+      "offset each, up to a frame). Scores and exports use the mean clock");
+
   group("Optimiser");
   number("lr_exposure", &O::lr_exposure, kRate, "ours",
          "Learning rate of log exposure gains at the start, ten times that of affine maps; falls "
          "to a hundredth");
+  number("lr_clocks", &O::lr_clocks, kRate, "ours",
+         "Learning rate of clocks at the start, in frames; falls to a hundredth");
   number("lr_environment", &O::lr_environment, kRate, "[Yang24]",
          "Learning rate of the environment map");
   number("lr_mean", &O::lr_mean, kRate, "[3DGS]",

@@ -180,6 +180,13 @@ void validate(const TrainOptions& options) {
   if (options.motion == Motion::kNodes && options.filter_3d != Filter3d::kNone)
     throw InputError(
         "filter_3d does not reckon with motion nodes; pass --filter-3d none or another --motion");
+  if (options.clocks == Clocks::kLearn && options.motion == Motion::kNodes)
+    throw InputError(
+        "motion nodes know no gradient by time; pass --clocks fixed or another --motion");
+  if (options.clocks == Clocks::kLearn && options.validation_share > 0)
+    throw InputError(
+        "validation views keep the times that the scene states; pass --clocks fixed or "
+        "--validation-share 0");
   const int contracts =
       (options.max_gaussians > 0) + (options.max_bytes > 0) + (options.within_db > 0);
   if (contracts > 1)

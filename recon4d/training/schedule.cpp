@@ -113,10 +113,17 @@ double Schedule::mean_rate(int64_t i) const {
   return extent_ * decayed(options_.lr_mean, options_.lr_mean_final, i);
 }
 
+double Schedule::resting(double rate, int64_t i) const {
+  constexpr double kFinal = 0.01;  // of the rate at the start
+  return rate * std::pow(kFinal, double(i + 1) / double(std::max<int64_t>(1, options_.iterations)));
+}
+
 double Schedule::exposure_rate(int64_t i) const {
-  constexpr double kFinal = 0.01;  // of the rate at the start: gains come to rest
-  return options_.lr_exposure *
-         std::pow(kFinal, double(i + 1) / double(std::max<int64_t>(1, options_.iterations)));
+  return resting(options_.lr_exposure, i);
+}
+
+double Schedule::clock_rate(int64_t i) const {
+  return resting(options_.lr_clocks, i);
 }
 
 AdamGroups<float> Schedule::adam(int64_t i, SetForm form, int64_t nodes_started) const {

@@ -46,6 +46,7 @@ class Schedule {
   double mean_rate(int64_t i) const;
   /// Learning rate of log gains at step i.
   double exposure_rate(int64_t i) const;
+  double clock_rate(int64_t i) const;  // frames
   /// Scale of the means' noise after step i; 0: none (PositionNoise::scale).
   double noise_scale(int64_t i) const { return is_mcmc() ? options_.mcmc_noise * mean_rate(i) : 0; }
   /// Step sizes of step i for a set of that form. `nodes_started`: of a canonical one, the step at
@@ -53,6 +54,8 @@ class Schedule {
   AdamGroups<float> adam(int64_t i, SetForm form, int64_t nodes_started = 0) const;
 
  private:
+  /// From `rate` to a hundredth of it.
+  double resting(double rate, int64_t i) const;
   /// Log-linear from first to last over the whole training.
   double decayed(double first, double last, int64_t i) const;
   int64_t scaled(int64_t steps) const { return scaled_steps(options_, steps); }

@@ -62,9 +62,11 @@ std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frame
 
 TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source,
                          const GaussianSet* shared) {
-  const ExposureRows exposed = exposure_rows(scene, training_frames(scene), options);
+  const std::vector<int> frames = training_frames(scene);
   TrainState state;
-  state.exposure.reset(int64_t(exposed.names.size()), exposure_width(options.exposure));
+  state.exposure.reset(int64_t(exposure_rows(scene, frames, options).names.size()),
+                       exposure_width(options.exposure));
+  state.clocks.reset(int64_t(clock_rows(scene, frames, options).names.size()), 1);
   Initialisation first =
       initialise_model(scene, make_camera_rig(scene.training_cameras()), options, shared);
   source = first.source;
@@ -99,7 +101,8 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       timesteps_(scene.timesteps_of(Split::kTrain)),
       d_nodes_(backend.memory()),
       d_environment_(backend.memory()),
-      exposed_(exposure_rows(scene, train_frames_, options_)) {
+      exposed_(exposure_rows(scene, train_frames_, options_)),
+      clocked_(clock_rows(scene, train_frames_, options_)) {
   validate(options_);
   check(!state_.static_is_frozen ||
             (options_.filter_3d == Filter3d::kNone &&
@@ -112,6 +115,10 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
   check(exposures == 0 || state_.exposure.width() == exposure_width(options_.exposure),
         "Trainer: colours of another kind");
   maps_ = colour_maps_of(state_.exposure);
+  const auto clocks = int64_t(clocked_.names.size());
+  if (state_.clocks.rows() == 0) state_.clocks.reset(clocks, 1);
+  check(state_.clocks.rows() == clocks, "Trainer: clocks of other cameras");
+  clock_offsets_ = clock_offsets_of(state_.clocks, clocked_.frame);
   sampler_.restore(state_.sampler_epoch, state_.sampler_position);
   for (int k = 0; k < 2; ++k) state_.set(k).ensure_moments();
   if (options_.filter_3d != Filter3d::kNone)
@@ -182,8 +189,9 @@ FrameSample Trainer::sample_frames() {
   }
   if (cache_.knows_motion())
     for (const int64_t i : indices) sample.moving.push_back(cache_.mask_on_host(i));
+  sample.maps = maps(indices);
   for (const int64_t i : indices)
-    if (!maps_.empty()) sample.maps.push_back(maps_[size_t(exposed_.of_frame[size_t(i)])]);
+    if (!clock_offsets_.empty()) sample.offsets.push_back(clock_offset(i));
   return sample;
 }
 
@@ -212,11 +220,12 @@ void Trainer::step_nodes() {
 void Trainer::step() {
   forget_copies();
   control();
+  if (!clock_offsets_.empty()) complete_pending();  // the views have the times of that step
   const std::vector<int64_t> batch = sampler_.next(options_.batch);
   ForwardArgs<float> args = forward_args();
   for (const int64_t index : batch) {
     const Frame& frame = scene_.frames[size_t(train_frames_[size_t(index)])];
-    args.views.push_back({frame.camera, frame.time});
+    args.views.push_back({frame.camera, frame.time + clock_offset(index)});
   }
   pipeline_.forward(args);
   complete_pending();  // the forward pass has waited for that step
@@ -245,17 +254,33 @@ void Trainer::step() {
   state_.sampler_epoch = sampler_.epoch();
   state_.sampler_position = sampler_.position();
   pending_ = report;
+  pending_batch_ = batch;
 }
 
-std::vector<ColourMap<double>> Trainer::maps(const std::vector<int64_t>& batch) {
+std::vector<ColourMap<double>> Trainer::maps(const std::vector<int64_t>& batch) const {
   std::vector<ColourMap<double>> maps;
-  if (maps_.empty()) return maps;
-  pending_rows_.clear();
-  for (const int64_t index : batch) {
-    pending_rows_.push_back(exposed_.of_frame[size_t(index)]);
-    maps.push_back(maps_[size_t(pending_rows_.back())]);
-  }
+  for (const int64_t index : batch)
+    if (!maps_.empty()) maps.push_back(maps_[size_t(exposed_.of_frame[size_t(index)])]);
   return maps;
+}
+
+double Trainer::clock_offset(int64_t index) const {
+  return clock_offsets_.empty() ? 0 : clock_offsets_[size_t(clocked_.of_frame[size_t(index)])];
+}
+
+void Trainer::step_rows(const StepOutcome& outcome, int64_t i) {
+  std::vector<int32_t> colours, clocks;
+  for (const int64_t index : pending_batch_) {
+    if (!maps_.empty()) colours.push_back(exposed_.of_frame[size_t(index)]);
+    if (!clock_offsets_.empty()) clocks.push_back(clocked_.of_frame[size_t(index)]);
+  }
+  if (!colours.empty() && !state_.static_is_frozen) {
+    step_exposure(colours, outcome.d_maps, schedule_.exposure_rate(i), state_.exposure);
+    maps_ = colour_maps_of(state_.exposure);
+  }
+  if (clocks.empty()) return;
+  step_clocks(clocks, outcome.d_times, clocked_.frame, schedule_.clock_rate(i), state_.clocks);
+  clock_offsets_ = clock_offsets_of(state_.clocks, clocked_.frame);
 }
 
 void Trainer::backward() {
@@ -280,6 +305,7 @@ void Trainer::backward() {
       args.statistics[k].length_share = length_share(options_, set.form());
     }
   }
+  args.by_time = !clock_offsets_.empty();
   args.regulariser = {options_.opacity_weight, options_.scale_weight};
   ParameterGroup& environment = state_.model.environment.map;
   d_environment_.resize(environment.value.size());
@@ -332,11 +358,7 @@ void Trainer::complete_pending() {
         report.iteration,
         what_is_bad(outcome, state_.set(report.num_dynamic > 0 ? 1 : 0).form()) + " is"));
   }
-  if (!maps_.empty() && !state_.static_is_frozen) {
-    step_exposure(pending_rows_, outcome.d_maps, schedule_.exposure_rate(report.iteration - 1),
-                  state_.exposure);
-    maps_ = colour_maps_of(state_.exposure);
-  }
+  step_rows(outcome, report.iteration - 1);
   const auto now = std::chrono::steady_clock::now();
   report.seconds = std::chrono::duration<double>(now - std::exchange(reported_, now)).count();
   state_.seconds += report.seconds;

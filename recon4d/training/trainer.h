@@ -12,6 +12,7 @@
 #include "kernels/pipeline.h"
 #include "recon4d/density/density.h"
 #include "recon4d/evaluation/scoring_pass.h"
+#include "recon4d/model/clocks.h"
 #include "recon4d/model/train_state.h"
 #include "recon4d/training/batch_sampler.h"
 #include "recon4d/training/frame_cache.h"
@@ -77,6 +78,8 @@ class Trainer {
   double unseen_seconds() const { return unseen_seconds_; }
   /// What state().exposure has a row for.
   const ExposureRows& exposed() const { return exposed_; }
+  /// What state().clocks has a row for.
+  const ClockRows& clocked() const { return clocked_; }
 
  private:
   void step();
@@ -98,8 +101,12 @@ class Trainer {
   int64_t room_of(int k, int64_t limit, double static_share) const;
   DensityContext density_context(int64_t room) const;
   void backward();
-  /// Maps of colours of the views of a batch, whose rows are noted for their step; empty: none.
-  std::vector<ColourMap<double>> maps(const std::vector<int64_t>& batch);
+  /// Maps of colours of the views of a batch; empty: none.
+  std::vector<ColourMap<double>> maps(const std::vector<int64_t>& batch) const;
+  /// By how much later than stated a training frame was filmed, as far as it is learnt.
+  double clock_offset(int64_t index) const;
+  /// Colours and clocks, by the gradients of the last step, which was step i.
+  void step_rows(const StepOutcome& outcome, int64_t i);
   void prefetch();
   /// Reports the last step once the backend has its outcome.
   void complete_pending();
@@ -128,8 +135,10 @@ class Trainer {
   MotionNodes d_nodes_;  // gradients
   Buffer<float> d_environment_;
   ExposureRows exposed_;
+  ClockRows clocked_;
   std::vector<ColourMap<double>> maps_;  // [R] of the next step
-  std::vector<int32_t> pending_rows_;    // [B] of maps, of the last step
+  std::vector<double> clock_offsets_;    // [R] of the next step, normalised time
+  std::vector<int64_t> pending_batch_;   // [B] training frames of the last step
   std::optional<StepReport> pending_;
   std::chrono::steady_clock::time_point reported_;  // until when time is accounted for
   std::optional<TrainState> host_state_;

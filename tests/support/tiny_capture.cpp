@@ -243,12 +243,13 @@ std::vector<uint32_t> state_bits(const TrainState& state) {
     append_bits(bits, statistics.count);
     append_bits(bits, statistics.filter_size);
   }
-  for (const Buffer<float>* values :
-       {&state.exposure.value, &state.exposure.moment1, &state.exposure.moment2})
-    append_bits(bits, *values);
+  for (const LearntRows* rows : {&state.exposure, &state.clocks})
+    for (const Buffer<float>* values : {&rows->value, &rows->moment1, &rows->moment2})
+      append_bits(bits, *values);
   for (const Buffer<float>& mean : state.average.means) append_bits(bits, mean);
   bits.push_back(uint32_t(state.average.states));
-  for (const int32_t steps : state.exposure.steps) bits.push_back(uint32_t(steps));
+  for (const LearntRows* rows : {&state.exposure, &state.clocks})
+    for (const int32_t steps : rows->steps) bits.push_back(uint32_t(steps));
   for (int64_t value : {state.iteration, state.sampler_epoch, state.sampler_position, state.decided,
                         state.goal, int64_t(state.finished)})
     bits.push_back(uint32_t(value));

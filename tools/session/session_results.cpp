@@ -98,7 +98,8 @@ json training_result(const TrainState& state, const TrainOptions& options,
           {"num_static", shipped.static_set.count()},
           {"num_dynamic", shipped.dynamic_set.count()},
           {"validation", validation_result(state, validation)},
-          {"exposure", exposure_result(state, options)}};
+          {"exposure", exposure_result(state, options)},
+          {"clocks", nullptr}};
 }
 
 bool SessionScores::score(Backend& backend, const Scene& scene, const ScoredModel& scored,

@@ -178,10 +178,10 @@ void adopt_light(const Scene& scene, StaticModel& shared, TrainOptions& options)
   apply_light(shared.light, shared.model.static_set);
 }
 
-ExposureState shared_exposure(const StaticModel& shared, const Scene& scene,
-                              const TrainOptions& options) {
+LearntRows shared_exposure(const StaticModel& shared, const Scene& scene,
+                           const TrainOptions& options) {
   const ExposureRows rows = exposure_rows(scene, training_frames(scene), options);
-  ExposureState state;
+  LearntRows state;
   if (shared.exposure.is_object())
     state =
         exposure_of_json(shared.exposure, rows, options, RunFolder{shared.run}.exposure().string());

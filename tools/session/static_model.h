@@ -57,8 +57,8 @@ void adopt_light(const Scene& scene, StaticModel& shared, TrainOptions& options)
 
 /// The colours of the training images of `scene` as the static set has them, in the light of each
 /// camera. Errors: InputError: a camera that it does not know.
-ExposureState shared_exposure(const StaticModel& shared, const Scene& scene,
-                              const TrainOptions& options);
+LearntRows shared_exposure(const StaticModel& shared, const Scene& scene,
+                           const TrainOptions& options);
 
 /// Tells static sets apart: a hash of the model's file. Errors: InputError: as load_static_model.
 std::string static_model_digest(const std::filesystem::path& run);

@@ -267,7 +267,7 @@ class Session {
       std::filesystem::remove(writer_.folder().metrics(), ignored);
     }
     writer_.write_model(model());
-    const ExposureState& exposure = trainer_->state().exposure;
+    const LearntRows& exposure = trainer_->state().exposure;
     if (exposure.rows() > 0)
       write_text_file(writer_.folder().exposure(),
                       json_text(exposure_json(trainer_->exposed(), exposure, options()), 2));
@@ -297,6 +297,8 @@ class Session {
     stages_->add_to(result);
     const RunFolder& run = writer_.folder();
     if (!result["exposure"].is_null()) result["exposure"]["file"] = run.exposure().string();
+    if (const LearntRows& clocks = trainer_->state().clocks; clocks.rows() > 0)
+      result["clocks"] = clocks_json(trainer_->clocked(), clocks, setup_.scene.time_axis.duration);
     result["model"] = run.model().string();
     result["bytes"] = std::filesystem::file_size(run.model());
     writer_.log().event("end", result);

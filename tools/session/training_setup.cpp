@@ -8,6 +8,7 @@
 #include <exception>
 #include <future>
 
+#include "recon4d/model/clocks.h"
 #include "recon4d/model/exposure.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/validation.h"
@@ -78,6 +79,7 @@ void complete_by_images(TrainingSetup& setup, const TrainRequest& request, doubl
     setup.options.peak_gaussians += setup.shared->model.static_set.count();
   // refuses what cannot be learned before motion is tried
   exposure_rows(scene, scene.split_indices(Split::kTrain), setup.options);
+  clock_rows(scene, scene.split_indices(Split::kTrain), setup.options);
   wall.time(WallSplit::kTrial, [&] { complete_motion(setup, request, motion_seconds, observer); });
 }
 

@@ -140,7 +140,7 @@ TEST(TrainColourMaps, JsonMapsTheRenderingToTheImage) {
   const Scene scene = tiny_capture();
   const TrainOptions options = affine_options(tiny_options());
   const ExposureRows rows = exposure_rows(scene, scene.split_indices(Split::kTrain), options);
-  ExposureState state;
+  LearntRows state;
   state.reset(int64_t(rows.names.size()), exposure_width(options.exposure));
   Random random(12);
   for (float& value : state.value) value = float(random.uniform(-0.2, 0.2));
@@ -163,8 +163,8 @@ TEST(TrainColourMaps, JsonMapsTheRenderingToTheImage) {
 }
 
 /// Two rows as far apart as may be expected of cameras, whose mean is the identity.
-ExposureState two_rows(float off) {
-  ExposureState state;
+LearntRows two_rows(float off) {
+  LearntRows state;
   state.reset(2, int(kNumbers));
   for (size_t k = 0; k < 2 * kNumbers; ++k) state.value[int64_t(k)] = k < kNumbers ? off : -off;
   return state;
@@ -175,14 +175,14 @@ const ColourMap<double> kNoGradient{Mat3<double>(0), Vec3<double>(0)};
 // Without any gradient of images maps shrink to the identity; gains stay as they are.
 // Bugs put back, each seen to fail: no such term; its sign the other way; the rate of gains.
 TEST(TrainColourMaps, WithoutAReasonAMapIsTheIdentity) {
-  ExposureState state = two_rows(0.2f);
+  LearntRows state = two_rows(0.2f);
   step_exposure({0, 1}, {kNoGradient, kNoGradient}, 0.05, state);
   for (int64_t i = 0; i < state.value.size(); ++i)
     EXPECT_NEAR(std::abs(state.value[i]), 0.2 - 0.1 * 0.05, 1e-6) << i;
   for (int step = 0; step < 400; ++step)
     step_exposure({0, 1}, {kNoGradient, kNoGradient}, 0.05, state);
   for (int64_t i = 0; i < state.value.size(); ++i) EXPECT_NEAR(state.value[i], 0, 1e-3) << i;
-  ExposureState gains;
+  LearntRows gains;
   gains.reset(2, 3);
   for (int64_t i = 0; i < 6; ++i) gains.value[i] = i < 3 ? std::log(1.2f) : std::log(0.8f);
   step_exposure({0, 1}, {kNoGradient, kNoGradient}, 0.05, gains);
@@ -193,7 +193,7 @@ TEST(TrainColourMaps, WithoutAReasonAMapIsTheIdentity) {
 // Bugs put back, each seen to fail: no such term; without its 2; the share of views for that of
 // rows.
 TEST(TrainColourMaps, AReasonHoldsAMapAway) {
-  ExposureState state = two_rows(0);
+  LearntRows state = two_rows(0);
   ColourMap<double> pull{Mat3<double>(0), Vec3<double>(0, 1e-4, 0)}, push = pull;
   pull.matrix[1][2] = 1e-4;
   push.matrix[1][2] = push.offset[1] = -1e-4;
@@ -209,7 +209,7 @@ TEST(TrainColourMaps, AReasonHoldsAMapAway) {
 // Numbers far from the others meet their limit, and their mean stays that of the identity.
 // Bugs put back, each seen to fail: the gauge not fixed; the limit after the gauge; no limit.
 TEST(TrainColourMaps, MeanIsTheIdentityWhateverIsLearnt) {
-  ExposureState state;
+  LearntRows state;
   state.reset(31, int(kNumbers));
   Random random(13);
   for (int round = 0; round < 50; ++round) {

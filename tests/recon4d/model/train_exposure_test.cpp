@@ -17,7 +17,7 @@ namespace {
 using Gains = std::vector<Vec3<double>>;
 
 /// [R] RGB.
-Gains learnt_gains(const ExposureState& state) {
+Gains learnt_gains(const LearntRows& state) {
   Gains gains;
   for (const ColourMap<double>& map : colour_maps_of(state)) gains.push_back(channel_response(map));
   return gains;
@@ -142,7 +142,7 @@ TEST(TrainExposure, IsTheSameInASeparateMemory) {
 // A gain far from the others' meets its limit before the gauge loses a bit.
 // Bug put back: no limit; seen to fail.
 TEST(TrainExposure, MeanIsOneWhateverIsLearnt) {
-  ExposureState state;
+  LearntRows state;
   state.reset(301, 3);
   Random random(6);
   for (int round = 0; round < 5; ++round) {
@@ -161,7 +161,7 @@ TEST(TrainExposure, MeanIsOneWhateverIsLearnt) {
 // other's: the gauge moves both alike. Bugs put back, each seen to fail: t counted from 0; from 2.
 TEST(TrainExposure, StepsAreAdams) {
   constexpr double kRate = 0.01;
-  ExposureState state;
+  LearntRows state;
   state.reset(2, 3);
   step_exposure({1}, {colour_gain(Vec3<double>(0.1))}, kRate,
                 state);  // the other row's own first step
@@ -211,7 +211,7 @@ TEST(TrainExposure, JsonNamesTheCameras) {
   TrainOptions options = tiny_options();
   options.exposure = ExposureGains::kCamera;
   const ExposureRows rows = exposure_rows(scene, scene.split_indices(Split::kTrain), options);
-  ExposureState state;
+  LearntRows state;
   state.reset(int64_t(rows.names.size()), 3);
   const nlohmann::json json = exposure_json(rows, state, options);
   EXPECT_EQ(json["by"], "camera");
@@ -225,7 +225,7 @@ TEST(Exposure, ComesBackFromItsJson) {
   for (const ExposureGains kind : {ExposureGains::kCamera, ExposureGains::kAffine}) {
     TrainOptions options;
     options.exposure = kind;
-    ExposureState state;
+    LearntRows state;
     state.reset(3, exposure_width(kind));
     Random random(3);
     for (float& value : state.value) value = float(random.uniform(-0.2, 0.2));
