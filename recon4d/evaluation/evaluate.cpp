@@ -10,6 +10,7 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "recon4d/evaluation/clock_fit.h"
 #include "recon4d/evaluation/mean_scores.h"
 #include "recon4d/evaluation/metrics.h"
 #include "recon4d/evaluation/pixel_scores.h"
@@ -141,6 +142,8 @@ class SplitScorer {
         group_size_(group_size()),
         held_out_(split == Split::kVal || split == Split::kTest),
         renderer_(backend, model),
+        clocks_(options.fit_clocks ? fit_clocks(renderer_, scene, indices_)
+                                   : std::map<std::string, double>()),
         moving_(backend, model, options),
         pixels_(scene, indices_, options) {
     check_background(model, scene);
@@ -160,11 +163,16 @@ class SplitScorer {
     pixels_.finish(report_);
     add_means(report_);
     report_.moving = moving_.score();
+    report_.clock_fit = clocks_;
     return std::move(report_);
   }
 
  private:
   const Frame& frame(size_t i) const { return scene_.frames[size_t(indices_[i])]; }
+
+  double clock_of(const Frame& frame) const {
+    return clocks_.empty() ? 0 : clocks_.at(frame.camera_name);
+  }
 
   /// As many views as threads score at once, of large images fewer: two groups are held, of 19
   /// bytes a pixel.
@@ -191,7 +199,7 @@ class SplitScorer {
     for (size_t first = begin; first < last; first += size_t(options_.batch)) {
       std::vector<View> views;
       for (size_t i = first; i < std::min(first + size_t(options_.batch), last); ++i)
-        views.push_back({frame(i).camera, frame(i).time});
+        views.push_back({frame(i).camera, frame(i).time + clock_of(frame(i))});
       moving_.add(views, scene_, indices_.data() + first);
       renderer_.render(views, {&group.images[first - begin], int64_t(views.size())});
     }
@@ -238,6 +246,7 @@ class SplitScorer {
   const size_t group_size_;
   const bool held_out_;
   Renderer renderer_;
+  const std::map<std::string, double> clocks_;
   MovingRegionMeter moving_;
   PixelScores pixels_;
   ViewGroup spare_;

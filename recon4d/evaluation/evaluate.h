@@ -3,6 +3,7 @@
 // modes A9, A14, D1–D3.
 #pragma once
 #include <functional>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -55,6 +56,7 @@ struct EvaluationReport {
   /// image of a rig was withheld).
   MeanScore novel_view, novel_time, novel_view_and_time, withheld;
   std::vector<CameraColourFit> colour_fit;  // by name of camera
+  std::map<std::string, double> clock_fit;  // by camera, normalised time; where it was asked for
   std::vector<TimestepScore> timesteps;     // ascending
   std::vector<ObjectScore> objects;         // by name, where boxes were given
   std::vector<FlickerScore> flicker;        // of the cameras that have one
@@ -68,8 +70,9 @@ enum class StructureDetail { kNone, kSsim, kAll };  // kSsim: the reflected mean
 struct EvaluateOptions {
   int batch = 4;  // views rendered at once; more are scored at once, where there are threads
   StructureDetail structure = StructureDetail::kAll;
-  bool temporal = true;    // flicker, moving and still pixels apart
-  bool pixel_sums = true;  // what PixelScores adds, all of `temporal` among it; false: PSNR alone
+  bool temporal = true;     // flicker, moving and still pixels apart
+  bool fit_clocks = false;  // views are drawn and scored by the fitted clock of their camera
+  bool pixel_sums = true;   // what PixelScores adds, all of `temporal` among it; false: PSNR alone
   /// LPIPS of two RGB images of one size; empty: none. Where a mask ignores, both are alike.
   std::function<double(const Image8& drawn, const Image8& truth)> lpips;
   /// What moves in a frame, one channel, of its size: values as MovingRegionScore has them; empty:
@@ -95,9 +98,9 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
 /// dynamic_weight_inside, moving_pixels_covered, definitions, num_gaussians, num_static,
 /// num_dynamic, bytes, split, background, width, height (null when views differ), views,
 /// held_out_views, held_out_times, novel_view, novel_time, novel_view_and_time, withheld,
-/// colour_fit (by camera: gain, offset), timesteps and worst_timestep (time, frame_number, views,
-/// psnr, psnr_dynamic), objects (name, psnr, worst, timesteps), flicker, per_view (with `masked`).
-/// What is undefined is null.
+/// colour_fit (by camera: gain, offset), clock_fit (by camera: seconds; null: not asked for),
+/// timesteps and worst_timestep (time, frame_number, views, psnr, psnr_dynamic), objects (name,
+/// psnr, worst, timesteps), flicker, per_view (with `masked`). What is undefined is null.
 nlohmann::json to_json(const EvaluationReport& report, const GaussianModel& model);
 
 }  // namespace tessera

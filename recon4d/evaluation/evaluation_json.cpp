@@ -179,6 +179,9 @@ json to_json(const EvaluationReport& report, const GaussianModel& model) {
   put_means(report.novel_view_and_time, object["novel_view_and_time"]);
   put_means(report.withheld, object["withheld"]);
   object["colour_fit"] = colour_fit_json(report.colour_fit);
+  object["clock_fit"] = nullptr;
+  for (const auto& [camera, offset] : report.clock_fit)
+    object["clock_fit"][camera] = offset * model.time_axis.duration;
   put_timesteps(report.timesteps, object);
   for (const ObjectScore& score : report.objects) object["objects"].push_back(object_json(score));
   object["flicker"] = flicker_json(report.flicker);

@@ -212,7 +212,6 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
       {"train_scale", model.train_scale},
       {"filter_sizes", state.has_filter_sizes()},
       {"exposures", state.exposure.rows()},
-      {"clocks", state.clocks.rows()},
       {"environment_height", model.environment.height},
       {"options", to_json(options)},
       {"provenance", provenance.empty() ? json::object() : json::parse(provenance)},
@@ -223,6 +222,7 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
                               {"started", nodes.started},
                               {"refitted", nodes.refitted}};
   if (state.static_is_frozen) header["static_is_frozen"] = true;
+  if (state.clocks.rows() > 0) header["clocks"] = state.clocks.rows();
   if (state.average.states > 0) header["averaged_states"] = state.average.states;
   if (state.has_blocks())
     header["sh_blocks"] = {{"static", model.static_set.blocks().elements},

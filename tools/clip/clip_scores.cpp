@@ -10,11 +10,11 @@
 
 #include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"
-#include "recon4d/evaluation/border_scores.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
+#include "tools/clip/border_scores.h"
 #include "tools/clip/joined_report.h"
 #include "tools/session/held_out_scores.h"
 #include "tools/session/static_model.h"

@@ -4,8 +4,8 @@
 #include <map>
 #include <optional>
 
-#include "recon4d/evaluation/border_scores.h"
 #include "recon4d/evaluation/evaluate.h"
+#include "tools/clip/border_scores.h"
 
 namespace tessera {
 

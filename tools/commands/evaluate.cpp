@@ -47,6 +47,7 @@ struct EvaluateRequest {
   std::vector<double> scales{1};  // of the size that was trained on
   int threads = 0;
   bool overwrite = false, lpips_resize = false, fps = false, as_json = false;
+  bool fit_clocks = false;
 };
 
 /// Where the images of a scale lie: in the folder itself where there is only one.
@@ -93,6 +94,7 @@ Image8 moving_mask(const fs::path& folder, const Frame& frame) {
 EvaluateOptions options_of(const EvaluateRequest& request, Lpips* lpips,
                            const std::optional<ObjectBoxes>& boxes) {
   EvaluateOptions options;
+  options.fit_clocks = request.fit_clocks;
   if (lpips != nullptr)
     options.lpips = [lpips](const Image8& drawn, const Image8& truth) {
       return lpips->distance(drawn, truth);
@@ -108,6 +110,8 @@ EvaluateOptions options_of(const EvaluateRequest& request, Lpips* lpips,
 /// The scores at scale 1, or at the first where 1 is not requested; those of each under `scales`.
 json score(const EvaluateRequest& request, const Clip& clip, const Scene& scene,
            const std::vector<Split>& splits, Lpips* lpips, Backend& backend) {
+  if (request.fit_clocks && clip.count() > 1)
+    throw InputError("--fit-clocks is of one model; name a window of the clip");
   std::optional<ObjectBoxes> boxes;
   if (!request.boxes.empty()) boxes.emplace(request.boxes).check_fits(scene, splits);
   std::optional<OutputFolder> images;
@@ -312,6 +316,9 @@ void add_evaluate_command(CLI::App& app, Work& work) {
                       "[-1, 1], one output");
   command->add_flag("--lpips-resize", request->lpips_resize,
                     "bring images to the sides that the ONNX file fixes");
+  command->add_flag("--fit-clocks", request->fit_clocks,
+                    "draw and score the views of a camera at the offset of its clock, up to a "
+                    "frame, that fits its images best");
   command->add_flag("--fps", request->fps,
                     "time the renderer: 300 warm frames, or as many as fit in 20 s");
   command->add_flag(

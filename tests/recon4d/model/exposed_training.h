@@ -1,5 +1,5 @@
-// Trainings for tests of exposure: the Gaussians are at their true places and their colours are
-// brighter than those of the images.
+// Trainings for tests of exposure and of clocks: the Gaussians are at their true places, their
+// colours brighter than those of the images, or the images filmed later.
 #pragma once
 #include "tests/support/tiny_capture.h"
 
@@ -43,6 +43,20 @@ inline std::vector<double> colours_of(const GaussianModel& model) {
   for (const GaussianSet* set : {&model.static_set, &model.dynamic_set})
     for (const float sh : set->group(kSh).value) colours.push_back(0.5 + kSh0 * double(sh));
   return colours;
+}
+
+/// Camera c films `late[c]` frames later than its times say.
+inline Scene late_capture(const TinyCapture& capture, const std::vector<double>& late) {
+  Scene scene = tiny_capture(capture);
+  const double frame = 1 / double(capture.timesteps - 1);
+  for (size_t c = 0; c < late.size(); ++c) {
+    GaussianModel earlier = tiny_truth(capture);
+    for (float& time : earlier.dynamic_set.group(kMeanTime).value) time -= float(late[c] * frame);
+    const Scene filmed = tiny_capture(capture, earlier);
+    for (size_t f = c * size_t(capture.timesteps); f < (c + 1) * size_t(capture.timesteps); ++f)
+      scene.frames[f].image = filmed.frames[f].image;
+  }
+  return scene;
 }
 
 }  // namespace tessera::testing

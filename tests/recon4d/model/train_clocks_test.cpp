@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "kernels/base/errors.h"
+#include "recon4d/evaluation/evaluate.h"
 #include "recon4d/model/clocks.h"
 #include "tests/recon4d/model/exposed_training.h"
 #include "tests/support/resume.h"
@@ -18,20 +19,6 @@ TinyCapture clocked_ring() {
   TinyCapture capture = exposed_ring();
   capture.timesteps = 8;
   return capture;
-}
-
-/// Camera c films `late[c]` frames later than its times say.
-Scene late_capture(const TinyCapture& capture, const std::vector<double>& late) {
-  Scene scene = tiny_capture(capture);
-  const double frame = 1 / double(capture.timesteps - 1);
-  for (size_t c = 0; c < late.size(); ++c) {
-    GaussianModel earlier = tiny_truth(capture);
-    for (float& time : earlier.dynamic_set.group(kMeanTime).value) time -= float(late[c] * frame);
-    const Scene filmed = tiny_capture(capture, earlier);
-    for (size_t f = c * size_t(capture.timesteps); f < (c + 1) * size_t(capture.timesteps); ++f)
-      scene.frames[f].image = filmed.frames[f].image;
-  }
-  return scene;
 }
 
 TrainOptions learning(int64_t iterations) {
@@ -115,6 +102,37 @@ TEST(TrainClocks, AreRefusedWhereTheyMeanNothing) {
   capture = clocked_ring();
   capture.timesteps = 1;
   EXPECT_NE(refusal(capture, Motion::kVelocity).find("two timesteps"), std::string::npos);
+}
+
+// Cameras that film up to 0.4 frames late are scored as those that do not. Bugs put back, each seen
+// to fail: the sign of the offset; views drawn at their stated times; masks not looked at.
+TEST(TrainClocks, OfScoredCamerasAreFitted) {
+  TinyCapture capture = exposed_ring();
+  capture.timesteps = 8;
+  const std::vector<double> late{0.4, -0.3, 0, 0.2, -0.25};
+  Scene scene = late_capture(capture, late);
+  const GaussianModel model = tiny_truth(capture);
+  for (Frame& frame : scene.frames) {  // what a mask ignores is wrong, and changes with time
+    Image8 mask{frame.image.width, frame.image.height, 1, {}};
+    for (int p = 0; p < frame.image.width * frame.image.height; ++p) {
+      const bool used = p % frame.image.width >= 8;
+      mask.data.push_back(used ? 255 : 0);
+      for (int c = 0; c < 3 && !used; ++c)
+        frame.image.data[size_t(3 * p + c)] = uint8_t(250 * frame.time);
+    }
+    frame.mask = FrameMask(std::move(mask));
+  }
+  const auto backend = make_cpu_backend();
+  EvaluateOptions options;
+  const EvaluationReport stated = evaluate(*backend, model, scene, Split::kTrain, options);
+  EXPECT_TRUE(stated.clock_fit.empty());
+  options.fit_clocks = true;
+  const EvaluationReport fitted = evaluate(*backend, model, scene, Split::kTrain, options);
+  ASSERT_EQ(fitted.clock_fit.size(), late.size());
+  size_t c = 0;
+  for (const auto& [camera, offset] : fitted.clock_fit) EXPECT_NEAR(offset * 7, late[c++], 0.02);
+  EXPECT_GT(fitted.all.psnr.value(), stated.all.psnr.value() + 3);
+  EXPECT_GT(fitted.all.psnr.value(), 45);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Sums over pairs of images that follow each other.
-#include "recon4d/evaluation/border_scores.h"
+#include "tools/clip/border_scores.h"
 
 #include <algorithm>
 #include <cmath>
