@@ -44,7 +44,7 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
 /// the number in the commit that brings it; a cut lowers it.
 inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13632}, {"ingest", 26573},
                                                          {"recon4d", 12597}, {"static3d", 5851},
-                                                         {"tools", 24272},   {"tests", 57605}};
+                                                         {"tools", 24272},   {"tests", 57607}};
 
 /// Where CUDA may be used; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",

@@ -75,6 +75,8 @@ const std::vector<Alternative>& alternatives() {
       {"environment", true, json::object(), true},
       {"environment_size", 8, json::object(), true},
       {"lr_environment", 0.02, json::object(), true},
+      {"clocks", "learn"},
+      {"lr_clocks", 0.05, {{"clocks", "learn"}}},
       {"exposure", "camera"},
       {"lr_exposure", 0.05, {{"exposure", "frame"}}},
       {"lr_mean", 3e-4},
