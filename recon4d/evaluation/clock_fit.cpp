@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/base/median.h"
 #include "recon4d/evaluation/metrics.h"
+#include "recon4d/model/clocks.h"
 
 namespace tessera {
 namespace {
@@ -32,17 +32,8 @@ struct OffsetEquation {
   }
 };
 
-double median_step(const Scene& scene, const std::vector<int>& frames) {
-  std::vector<double> times, steps;
-  for (const int i : frames) times.push_back(scene.frames[size_t(i)].time);
-  std::sort(times.begin(), times.end());
-  for (size_t i = 1; i < times.size(); ++i)
-    if (times[i] > times[i - 1]) steps.push_back(times[i] - times[i - 1]);
-  return steps.empty() ? 0 : median(std::move(steps));
-}
-
 double offset_of(Renderer& renderer, const Scene& scene, const std::vector<int>& frames) {
-  const double step = median_step(scene, frames), reach = kReach * step;
+  const double step = frame_step(scene, frames), reach = kReach * step;
   double offset = 0;
   for (int round = 0; round < kRounds && step > 0; ++round) {
     OffsetEquation equation;

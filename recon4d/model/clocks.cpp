@@ -13,28 +13,35 @@
 
 namespace tessera {
 
-ClockRows clock_rows(const Scene& scene, const std::vector<int>& frames,
-                     const TrainOptions& options) {
-  ClockRows rows;
-  if (options.clocks == Clocks::kFixed) return rows;
+double frame_step(const Scene& scene, const std::vector<int>& frames) {
   std::map<std::string, std::vector<double>> times;
   for (const int f : frames)
     times[scene.frames[size_t(f)].camera_name].push_back(scene.frames[size_t(f)].time);
-  std::map<std::string, int32_t> row_of;
   std::vector<double> steps;
-  for (auto& [name, of_camera] : times) {
-    row_of[name] = int32_t(rows.names.size());
-    rows.names.push_back(name);
+  for (auto& [camera, of_camera] : times) {
     std::sort(of_camera.begin(), of_camera.end());
     for (size_t i = 1; i < of_camera.size(); ++i)
       if (of_camera[i] > of_camera[i - 1]) steps.push_back(of_camera[i] - of_camera[i - 1]);
   }
-  if (rows.names.size() < 2 || steps.empty())
+  return steps.empty() ? 0 : median(std::move(steps));
+}
+
+ClockRows clock_rows(const Scene& scene, const std::vector<int>& frames,
+                     const TrainOptions& options) {
+  ClockRows rows;
+  if (options.clocks == Clocks::kFixed) return rows;
+  std::map<std::string, int32_t> row_of;  // rows are in the order of names
+  for (const int f : frames) row_of[scene.frames[size_t(f)].camera_name] = 0;
+  for (auto& [name, row] : row_of) {
+    row = int32_t(rows.names.size());
+    rows.names.push_back(name);
+  }
+  rows.frame = frame_step(scene, frames);
+  if (rows.names.size() < 2 || rows.frame == 0)
     throw InputError(fmt::format(
         "{}: --clocks learn compares the clocks of cameras that film together, and here {}; pass "
         "--clocks fixed",
-        scene.path, steps.empty() ? "none has two timesteps" : "there is one camera"));
-  rows.frame = median(std::move(steps));
+        scene.path, rows.frame == 0 ? "none has two timesteps" : "there is one camera"));
   for (const int f : frames) rows.of_frame.push_back(row_of[scene.frames[size_t(f)].camera_name]);
   return rows;
 }
@@ -62,7 +69,7 @@ std::vector<double> clock_offsets_of(const LearntRows& state, double frame) {
 }
 
 nlohmann::json clocks_json(const ClockRows& rows, const LearntRows& state, double duration) {
-  nlohmann::json by_name = nlohmann::json::object();
+  nlohmann::json by_name;
   const std::vector<double> offsets = clock_offsets_of(state, rows.frame);
   for (size_t r = 0; r < offsets.size(); ++r) by_name[rows.names[r]] = offsets[r] * duration;
   return by_name;

@@ -17,8 +17,11 @@ namespace tessera {
 struct ClockRows {
   std::vector<int32_t> of_frame;   // [training frames]; none: nothing is learnt
   std::vector<std::string> names;  // [R]
-  double frame = 0;                // median step of a camera's frames, normalised time
+  double frame = 0;                // frame_step of these, normalised time
 };
+
+/// Median step from frame to frame of a camera, normalised time; 0: none has two timesteps.
+double frame_step(const Scene& scene, const std::vector<int>& frames);
 
 /// `frames`: places of the training frames in the scene. Errors: InputError: clocks to be learnt of
 /// a single camera, or where no camera has two timesteps.
@@ -28,14 +31,14 @@ ClockRows clock_rows(const Scene& scene, const std::vector<int>& frames,
 inline constexpr double kMostClock = 1;  // frames: farther is found by ingest, not by a gradient
 
 /// A step of Adam for the rows of a batch, which may repeat, by the gradient of the loss by the
-/// times of its views. `state` has frames, each within kMostClock, whose mean is 0 afterwards.
+/// times of its views. `state`, frames, is held within kMostClock, then shifted to the gauge.
 void step_clocks(const std::vector<int32_t>& rows, const std::vector<double>& d_times, double frame,
                  double rate, LearntRows& state);
 
 /// [R] normalised time.
 std::vector<double> clock_offsets_of(const LearntRows& state, double frame);
 
-/// {name: seconds}: these are added to the times of its frames. `duration`: of the clip, seconds.
+/// {name: seconds to be added to its times}; null: nothing is learnt. `duration`: seconds.
 nlohmann::json clocks_json(const ClockRows& rows, const LearntRows& state, double duration);
 
 }  // namespace tessera

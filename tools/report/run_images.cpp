@@ -107,13 +107,14 @@ size_t bytes_of(const std::vector<ShownView>& views) {
 std::vector<ShownView> telling(const ImageMaker& maker, const std::vector<ChosenView>& all,
                                int width) {
   std::vector<size_t> drawn;
-  for (const ChosenView& chosen : all)
-    if (maker.has(chosen.view)) drawn.push_back(chosen.view);
+  std::vector<std::string> roles;
+  for (const ChosenView& chosen : all) {
+    if (!maker.has(chosen.view)) continue;
+    drawn.push_back(chosen.view);
+    roles.push_back(chosen.role);
+  }
   std::vector<ShownView> views = maker.shown(drawn, width);
-  for (ShownView& view : views)
-    view.role = std::find_if(all.begin(), all.end(), [&](const ChosenView& chosen) {
-                  return chosen.view == view.view;
-                })->role;
+  for (size_t i = 0; i < views.size(); ++i) views[i].role = roles[i];
   return views;
 }
 

@@ -98,8 +98,7 @@ json training_result(const TrainState& state, const TrainOptions& options,
           {"num_static", shipped.static_set.count()},
           {"num_dynamic", shipped.dynamic_set.count()},
           {"validation", validation_result(state, validation)},
-          {"exposure", exposure_result(state, options)},
-          {"clocks", nullptr}};
+          {"exposure", exposure_result(state, options)}};
 }
 
 bool SessionScores::score(Backend& backend, const Scene& scene, const ScoredModel& scored,
