@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr double kAlike = 0.02;  // of a rate: 24 and 25 differ by twice that
+constexpr double kSameRate = 0.02;  // of a rate: 24 and 25 differ by twice that
 
 /// The median of what is known; 0 of fewer than two.
 double usual_seconds(const std::vector<double>& frame_seconds) {
@@ -31,7 +31,7 @@ std::vector<char> odd_rates(const std::vector<double>& frame_seconds) {
   const double usual = usual_seconds(frame_seconds);
   std::vector<char> odd;
   for (const double seconds : frame_seconds)
-    odd.push_back(seconds > 0 && usual > 0 && std::abs(seconds - usual) > kAlike * usual);
+    odd.push_back(seconds > 0 && usual > 0 && std::abs(seconds - usual) > kSameRate * usual);
   return odd;
 }
 
@@ -48,7 +48,7 @@ std::string fps_warning(double fps, const std::vector<double>& frame_seconds) {
   double least = 0;
   for (const double seconds : frame_seconds)
     if (seconds > 0 && (least == 0 || seconds < least)) least = seconds;
-  if (least == 0 || fps * least <= 1 + kAlike) return "";
+  if (least == 0 || fps * least <= 1 + kSameRate) return "";
   return fmt::format("--fps {:g}: the videos have {}, all of which are kept; no frame is made up",
                      fps, rate_text(least));
 }
