@@ -127,7 +127,7 @@ struct ProjectBackwardArgs {
   RegulariserWeights regulariser;         // into the gradients
   /// [B, N] of a canonical set: gradient by what each Gaussian is in each view; written.
   Span<CarriedGaussian<Real>> d_carried;
-  bool by_time = false;  // the outcome has d_times
+  bool by_time = false;  // the outcome has d_times and d_readouts
 };
 
 /// Light from beyond the scene, behind all Gaussians (math/environment.h).
@@ -191,9 +191,9 @@ struct StepOutcome {
   bool bad_values = false;       // adam_values met a non-finite gradient
   /// [B] of the mean loss by each map, of map_colours_backward after that photometric; empty: none.
   std::vector<ColourMap<double>> d_maps;
-  /// [B] of the mean loss by the time of each view, through the Gaussians of the dynamic set;
-  /// empty: the last project_backward was not asked for it.
-  std::vector<double> d_times;
+  /// [B] of the mean loss by the time and by the readout of each view, through the Gaussians of the
+  /// dynamic set; empty: the last project_backward was not asked for it.
+  std::vector<double> d_times, d_readouts;
 };
 
 /// A device runs behind the host: only `project`, `outcome`, `select_elements`,

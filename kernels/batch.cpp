@@ -39,6 +39,7 @@ ViewBatch<Real> make_view_batch(const std::vector<View>& views) {
     v.translation = Vec3<Real>(c.translation);
     v.position = Vec3<Real>(c.position());
     v.time = Real(view.time);
+    v.readout = Real(c.readout);
     v.timestep = view.timestep;
     v.series = view.series;
     v.width = c.width;

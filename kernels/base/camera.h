@@ -12,6 +12,9 @@ struct Camera {
   int height = 0;             // pixels
   double fl_x = 0, fl_y = 0;  // focal lengths, pixels
   double cx = 0, cy = 0;      // principal point, pixels from the left/top edge of the image
+  // Of a rolling shutter: by how much later the bottom row is exposed than the top one, normalised
+  // time; negative where the bottom comes first. The middle one has the time of the view.
+  double readout = 0;
   // x_in_cam = cam_from_world * x_in_world + translation. glm is column-major: m[column][row].
   glm::dmat3 cam_from_world{1.0};
   glm::dvec3 translation{0.0};

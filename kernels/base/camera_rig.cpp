@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "kernels/base/median.h"
 
@@ -32,6 +33,23 @@ glm::dvec3 nearest_to_axes(const std::vector<Camera>& cameras, double fallback) 
 }
 
 }  // namespace
+
+double angle_at_focus(const CameraRig& rig, const Camera& a, const Camera& b) {
+  const glm::dvec3 u = a.position() - rig.focus, v = b.position() - rig.focus;
+  return glm::degrees(std::atan2(glm::length(glm::cross(u, v)), glm::dot(u, v)));
+}
+
+double neighbour_angle(const CameraRig& rig) {
+  if (rig.cameras.size() < 3) return 0;
+  std::vector<double> second;
+  for (const Camera& camera : rig.cameras) {
+    std::vector<double> angles;  // of it to itself, too
+    for (const Camera& other : rig.cameras) angles.push_back(angle_at_focus(rig, camera, other));
+    std::nth_element(angles.begin(), angles.begin() + 2, angles.end());
+    second.push_back(angles[2]);
+  }
+  return median(std::move(second));
+}
 
 CameraRig make_camera_rig(const std::vector<Camera>& cameras) {
   constexpr double kExtentMargin = 1.1;  // [3DGS]

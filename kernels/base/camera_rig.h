@@ -19,6 +19,13 @@ struct CameraRig {
 /// `cameras`: one or more, of any number of frames; equal ones count once.
 CameraRig make_camera_rig(const std::vector<Camera>& cameras);
 
+/// Between two cameras seen from the focus, degrees.
+double angle_at_focus(const CameraRig& rig, const Camera& a, const Camera& b);
+
+/// Median over the cameras of the angle at the focus to the second-nearest other one, degrees; 0 of
+/// two or fewer.
+double neighbour_angle(const CameraRig& rig);
+
 /// Whether the point lies in front of the near plane and inside the image.
 bool sees(const Camera& camera, const glm::dvec3& point, double near_plane);
 

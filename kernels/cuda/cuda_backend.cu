@@ -100,8 +100,9 @@ StepOutcome CudaBackend::outcome() {
                                        loss_sums_host_.data()[2 * b + 1], samples));
   }
   outcome.d_maps.assign(map_sums_host_.data(), map_sums_host_.data() + map_sums_.size());
-  for (int64_t b = 0; b < time_sums_.size(); ++b)
-    outcome.d_times.push_back(double(time_sums_host_.data()[b]) / kTimeSteps);
+  for (int64_t i = 0; i < time_sums_.size(); ++i)
+    (2 * i < time_sums_.size() ? outcome.d_times : outcome.d_readouts)
+        .push_back(double(time_sums_host_.data()[i]) / kTimeSteps);
   return outcome;
 }
 

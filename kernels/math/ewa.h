@@ -14,6 +14,7 @@ struct ViewArgs {
   Vec3<Real> translation;  // x_in_cam = cam_from_world·x + translation
   Vec3<Real> position;     // camera centre, world units
   Real time;               // normalised
+  Real readout;            // Camera::readout
   int32_t timestep;        // number of the timestep, whatever the camera's clock
   int32_t series;          // that it belongs to (contribution.h)
   int width, height;       // pixels

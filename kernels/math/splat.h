@@ -65,11 +65,47 @@ TESSERA_HD inline Vec3<Real> view_direction(const ViewArgs<Real>& view, const Ve
   return offset * (Real(1) / distance);
 }
 
+/// Of an image row, pixels from the top: by how much later it is exposed than the middle one, as a
+/// share of the readout.
+template <class Real>
+TESSERA_HD inline Real row_share(const ViewArgs<Real>& view, Real y) {
+  const Real height = Real(view.height);
+  return min_of(max_of(y, Real(0)), height) / height - Real(0.5);
+}
+
+/// The slice of g that a view shows: at the time of the view, with a rolling shutter at that of the
+/// row in which this one lies. Gradients take the row for a constant: it changes them by what
+/// the Gaussian moves during the readout, as a share of the image.
+template <class Real>
+TESSERA_HD inline Slice<Real> slice_in_view(const ViewArgs<Real>& view,
+                                            const GaussianState<Real>& g, Real time_filter) {
+  const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, time_filter);
+  if (view.readout == Real(0)) return slice;
+  const Vec3<Real> in_cam = to_camera(view, slice.mean);
+  if (!(in_cam[2] > Real(0))) return slice;
+  const Real y = view.fl_y * in_cam[1] / in_cam[2] + view.cy;
+  return slice_at(g.mean, g.spacetime, view.time + view.readout * row_share(view, y), time_filter);
+}
+
+/// row_share of the row at which slice_in_view took g; `y`: where it was drawn.
+template <class Real>
+TESSERA_HD inline Real shown_row_share(const ViewArgs<Real>& view, const GaussianState<Real>& g,
+                                       const Slice<Real>& slice, Real y) {
+  if (view.readout == Real(0)) return row_share(view, y);
+  return (slice.delta - (view.time - g.spacetime.mean_time)) / view.readout;
+}
+
+/// Time of a view's colours, from the mean in time: they change too slowly to differ by row.
+template <class Real>
+TESSERA_HD inline Real colour_delta(const ViewArgs<Real>& view, const GaussianState<Real>& g) {
+  return view.time - g.spacetime.mean_time;
+}
+
 /// False when the Gaussian is not drawn in this view.
 template <class Real>
 TESSERA_HD inline bool splat_in_view(const ViewArgs<Real>& view, const GaussianState<Real>& g,
                                      const SplatRules<Real>& rules, ViewSplat<Real>& out) {
-  out.slice = slice_at(g.mean, g.spacetime, view.time, rules.time_filter);
+  out.slice = slice_in_view(view, g, rules.time_filter);
   if (!(out.slice.marginal >= kMinMarginal<Real>)) return false;
   out.opacity = g.opacity * out.slice.marginal;
   if (!rules.cutoff.keeps(out.opacity)) return false;

@@ -28,14 +28,14 @@ TESSERA_HD inline void add_splat(const ViewArgs<Real>& view, const ColourRules<R
     variation->timestep.weight2 += double(sum.weight2);
   }
   if (colours.degree == 0) return;
-  const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, time_filter);
+  const Slice<Real> slice = slice_in_view(view, g, time_filter);
   Real distance;
   const Vec3<Real> direction =
       view_direction(view, colours.sliced_direction ? slice.mean : g.mean, distance);
   Real Y[kMaxShCoefficients] = {}, room[3 * kMaxShCoefficients];
   sh_basis(colours.degree, direction, Y);
-  add_truncation_errors(colours.degree, Y, sh_at(colours, g, slice.delta, room), splat.negative,
-                        sum, sums.truncation);
+  add_truncation_errors(colours.degree, Y, sh_at(colours, g, colour_delta(view, g), room),
+                        splat.negative, sum, sums.truncation);
 }
 
 }  // namespace tessera

@@ -71,7 +71,7 @@ void project_run(const ProjectArgs<Real>& args, const Run& run, Chunk<Real>& chu
       Real distance, room[3 * kMaxShCoefficients];
       const Vec3<Real> direction =
           view_direction(views[b], colours.sliced_direction ? splat.slice.mean : g.mean, distance);
-      const Real* const sh = sh_at(colours, g, splat.slice.delta, room);
+      const Real* const sh = sh_at(colours, g, colour_delta(views[b], g), room);
       if (!drawn_colour(colours.degree, direction, sh, out.colour, out.negative)) {
         ++chunk.invalid;
         break;

@@ -101,13 +101,13 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
   out.depth[s] = in_view.projection.in_cam[2];
   rect = in_view.rect;
   float sh[3 * kMaxShCoefficients] = {}, distance;
-  load_sh(colours, g, in_view.slice.delta, sh);
+  load_sh(colours, g, colour_delta(a.views[b], g), sh);
   const Vec3<float> direction =
       view_direction(a.views[b], colours.sliced_direction ? in_view.slice.mean : g.mean, distance);
   const bool finite = drawn_colour(colours.degree, direction, sh, splat.colour, splat.negative);
   if (out.slope != nullptr) out.slope[s] = colour_slope(colours.degree, direction, distance, sh);
   if (out.time_slope != nullptr && colours.levels > 0)
-    out.time_slope[s] = levels_slope(colours, in_view.slice.delta, g.sh_time, direction);
+    out.time_slope[s] = levels_slope(colours, colour_delta(a.views[b], g), g.sh_time, direction);
   if (!finite) {
     splat.negative = kNotDrawn;
     rect = {};

@@ -53,7 +53,7 @@ struct BlockArgs {
   SinkArgs<Real> sink;
   DensityStatistics<Real> statistics;
   CarriedGaussian<Real>* d_carried;  // of a canonical set: [B, set.carried_stride]
-  double* d_times;                   // [B] added to, of a dynamic set; null: not asked for
+  double* d_times;  // [2B] added to, of a dynamic set, times and readouts; null: not asked for
 };
 
 /// Element n of a block, whose splats are `first` … `last`.
@@ -74,16 +74,16 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
     const Real length = share > Real(0) ? share * args.lengths[s] : Real(0);
     const GaussianState<Real>& g =
         state_in_view<form>(params, n, splat.view, at_rest, room_of_state);
-    const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, rules.time_filter);
+    const Slice<Real> slice = slice_in_view(view, g, rules.time_filter);
     Real room[3 * kMaxShCoefficients];
-    const Real* const sh = sh_at(colours, g, slice.delta, room);
+    const Real* const sh = sh_at(colours, g, colour_delta(view, g), room);
     Real distance;
     const Vec3<Real> direction =
         view_direction(view, colours.sliced_direction ? slice.mean : g.mean, distance);
     const ColourSlope<Real> slope = colour_slope(colours.degree, direction, distance, sh);
-    const Vec3<Real> time_slope = colours.levels > 0
-                                      ? levels_slope(colours, slice.delta, g.sh_time, direction)
-                                      : Vec3<Real>(Real(0));
+    const Vec3<Real> time_slope =
+        colours.levels > 0 ? levels_slope(colours, colour_delta(view, g), g.sh_time, direction)
+                           : Vec3<Real>(Real(0));
     if constexpr (form == SetForm::kCanonical) {
       const int64_t place = splat.view * params.carried_stride + n;
       ViewSums<Real> of_view;
@@ -94,11 +94,15 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
       const Real before = sums.spacetime.mean_time;
       add_view_gradient(view, g, slice, slope, time_slope, colours, rules, splat, moments, length,
                         sums);
-      if (d_times != nullptr)  // a Gaussian knows a time by its distance from the mean in time
-        d_times[splat.view] -= double(sums.spacetime.mean_time) - double(before);
+      if (d_times != nullptr) {
+        const TimeGradient<Real> d = time_gradient(view, g, slice, colours, time_slope, splat,
+                                                   moments, sums.spacetime.mean_time - before);
+        d_times[splat.view] += double(d.time);
+        d_times[views.size() + size_t(splat.view)] += double(d.readout);
+      }
     }
-    add_sh(colours, direction, slice.delta, unclamped_gradient(splat.negative, moments.colour),
-           out);
+    add_sh(colours, direction, colour_delta(view, g),
+           unclamped_gradient(splat.negative, moments.colour), out);
   }
   out.geometry = geometry_gradient<form>(params, n, at_rest, sums);
   if (!all_finite(out.sh, params.width(kSh))) out.bad |= 1u << kSh;
@@ -148,21 +152,20 @@ unsigned backward_block(const ProjectBackwardArgs<Real>& args, const BlockArgs<R
                         const RegulariserTerms<Real>& terms) {
   const SinkArgs<Real>& sink = block.sink;
   const bool by_time = is_dynamic(form) && block.d_times != nullptr;
-  const auto views = int64_t(args.forward.batch->views.size());
-  std::vector<double> d_times(by_time ? size_t((block.set.count / kGrain + 1) * views) : 0);
+  const auto sums = int64_t(2 * args.forward.batch->views.size());
+  std::vector<double> d_times(by_time ? size_t((block.set.count / kGrain + 1) * sums) : 0);
   std::atomic<unsigned> bad{0};
   const auto run = [&](const auto& chosen) {
     parallel_for(block.set.count, kGrain, [&](int64_t begin, int64_t end) {
-      bad |=
-          backward_run<form>(args, block, terms, begin, end,
-                             by_time ? d_times.data() + begin / kGrain * views : nullptr, chosen);
+      bad |= backward_run<form>(args, block, terms, begin, end,
+                                by_time ? d_times.data() + begin / kGrain * sums : nullptr, chosen);
     });
   };
   if (sink.fused)
     run(ApplyAdam<Real>{sink.value, sink.moment1, sink.moment2, sink.adam});
   else
     run(StoreGradient<Real>{sink.gradient});
-  for (size_t i = 0; i < d_times.size(); ++i) block.d_times[i % size_t(views)] += d_times[i];
+  for (size_t i = 0; i < d_times.size(); ++i) block.d_times[i % size_t(sums)] += d_times[i];
   return bad;
 }
 
@@ -172,7 +175,8 @@ template <class Real>
 void CpuBackend<Real>::project_backward(const ProjectBackwardArgs<Real>& args) {
   outcome_.bad_groups = 0;
   outcome_.bad_values = false;
-  outcome_.d_times.assign(args.by_time ? args.forward.batch->views.size() : 0, 0.0);
+  const size_t views = args.by_time ? args.forward.batch->views.size() : 0;
+  std::vector<double> d_times(2 * views);
   const RegulariserTerms<Real> terms(args.regulariser,
                                      args.forward.sets[0].count + args.forward.sets[1].count);
   int64_t first_gaussian = 0;
@@ -184,12 +188,15 @@ void CpuBackend<Real>::project_backward(const ProjectBackwardArgs<Real>& args) {
                                   args.sinks[set].block(elements),
                                   args.statistics[set].block(elements),
                                   args.d_carried.data + elements.first,
-                                  args.by_time ? outcome_.d_times.data() : nullptr};
+                                  args.by_time ? d_times.data() : nullptr};
       outcome_.bad_groups |= with_drawn_form(
           spans.form, [&](auto form) { return backward_block<form()>(args, block, terms); });
     });
     first_gaussian += spans.count;
   }
+  const auto of_readouts = d_times.begin() + std::ptrdiff_t(views);
+  outcome_.d_times.assign(d_times.begin(), of_readouts);
+  outcome_.d_readouts.assign(of_readouts, d_times.end());
 }
 
 template void CpuBackend<float>::project_backward(const ProjectBackwardArgs<float>&);

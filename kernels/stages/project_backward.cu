@@ -41,7 +41,7 @@ struct Backward {
   RegulariserTerms<float> regulariser;
   StepCounters* counters;
   CarriedGaussian<float>* d_carried;  // of a canonical set: [B, set.carried_stride]
-  long long* d_times;                 // [B] added to, in kTimeSteps; null: not asked for
+  long long* d_times;  // [2B] added to, in kTimeSteps, times and readouts; null: not asked for
 };
 
 template <SetForm form>
@@ -54,9 +54,10 @@ struct Shared {
   bool drawn[kThreads];                    // that splat has tiles
 };
 
-/// One thread a splat: its share of its Gaussian's sums.
+/// One thread a splat: its share of its Gaussian's sums, and of those of its view where asked for.
 template <SetForm form>
-__device__ inline SumsOf<form, float> splat_sums(const Backward& a, int64_t s, bool& drawn) {
+__device__ inline SumsOf<form, float> splat_sums(const Backward& a, int64_t s, bool& drawn,
+                                                 TimeGradient<float>& by_time) {
   SumsOf<form, float> sums;
   GaussianState<float> at_rest, room;
   const int64_t n = a.gaussian[s] - a.first;
@@ -66,11 +67,11 @@ __device__ inline SumsOf<form, float> splat_sums(const Backward& a, int64_t s, b
   const GaussianState<float>& g = state_in_view<form>(a.set, n, splat.view, at_rest, room);
   const ViewArgs<float>& view = a.views[splat.view];
   const ColourRules<float> colours = rules_of<form>(a.colours);
+  const Slice<float> slice = slice_in_view(view, g, a.rules.time_filter);
+  const Vec3<float> time_slope = colours.levels > 0 ? a.time_slopes[s] : Vec3<float>(0.0f);
   const auto add_to = [&](ViewSums<float>& of_view) {
     add_view_gradient(
-        view, g, slice_at(g.mean, g.spacetime, view.time, a.rules.time_filter), a.slopes[s],
-        colours.levels > 0 ? a.time_slopes[s] : Vec3<float>(0.0f), colours, a.rules, splat,
-        a.d_splats[s],
+        view, g, slice, a.slopes[s], time_slope, colours, a.rules, splat, a.d_splats[s],
         a.statistics.length_share > 0 ? a.statistics.length_share * a.lengths[s] : 0.0f, of_view);
   };
   if constexpr (form == SetForm::kCanonical) {
@@ -80,18 +81,24 @@ __device__ inline SumsOf<form, float> splat_sums(const Backward& a, int64_t s, b
     a.d_carried[place] = carried_gradient(a.set.carried[place], g, of_view, sums);
   } else {
     add_to(sums);
+    if (is_dynamic(form) && a.d_times != nullptr)
+      by_time = time_gradient(view, g, slice, colours, time_slope, splat, a.d_splats[s],
+                              sums.spacetime.mean_time);
   }
   return sums;
 }
 
 /// Adds what the splats of a warp found by the times of their views, one a thread; 0 of no splat.
-__device__ inline void add_times(const Backward& a, int view, float d_time) {
-  for (int b = 0; b < a.view_count; ++b) {
-    long long sum = view == b ? __double2ll_rn(double(d_time) * kTimeSteps) : 0;
+__device__ inline void add_times(const Backward& a, int view, const TimeGradient<float>& d) {
+  for (int i = 0; i < 2 * a.view_count; ++i) {
+    const bool is_readout = i >= a.view_count;
+    const float value = is_readout ? d.readout : d.time;
+    const bool taken = view == (is_readout ? i - a.view_count : i);
+    long long sum = taken ? __double2ll_rn(double(value) * kTimeSteps) : 0;
     for (int offset = 16; offset > 0; offset /= 2)
       sum += __shfl_down_sync(0xffffffffu, sum, offset);
     if (threadIdx.x % 32 == 0 && sum != 0)
-      atomicAdd(reinterpret_cast<unsigned long long*>(a.d_times + b), (unsigned long long)(sum));
+      atomicAdd(reinterpret_cast<unsigned long long*>(a.d_times + i), (unsigned long long)(sum));
   }
 }
 
@@ -148,15 +155,15 @@ __global__ void __launch_bounds__(kThreads, kBlocks) geometry_backward(Backward 
   for (int64_t s = block_begin; s < block_end; s += kThreads) {
     const int64_t taken = s + threadIdx.x;
     bool drawn = false;
+    TimeGradient<float> by_time;
     const SumsOf<form, float> found =
-        taken < block_end ? splat_sums<form>(a, taken, drawn) : SumsOf<form, float>();
+        taken < block_end ? splat_sums<form>(a, taken, drawn, by_time) : SumsOf<form, float>();
     TESSERA_UNROLL
     for (int k = 0; k < kSumFloats<form>; ++k)
       shared.splats.sums[k][threadIdx.x] = reinterpret_cast<const float*>(&found)[k];
     shared.splats.drawn[threadIdx.x] = drawn;
     if constexpr (is_dynamic(form))
-      if (a.d_times != nullptr)  // a Gaussian knows a time by its distance from the mean in time
-        add_times(a, drawn ? a.splats[taken].view : 0, -found.spacetime.mean_time);
+      if (a.d_times != nullptr) add_times(a, drawn ? a.splats[taken].view : 0, by_time);
     __syncthreads();
     add_shared<form>(shared.splats, s, begin, end, sums, seen);
     __syncthreads();
@@ -342,7 +349,7 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
         cudaMemsetAsync(args.d_carried.data, 0,
                         size_t(args.d_carried.size) * sizeof(CarriedGaussian<float>), stream_),
         "memset");
-  time_sums_.resize(args.by_time ? int64_t(args.forward.batch->views.size()) : 0);
+  time_sums_.resize(args.by_time ? int64_t(2 * args.forward.batch->views.size()) : 0);
   if (args.by_time)
     check_device(cudaMemsetAsync(time_sums_.data(), 0,
                                  size_t(time_sums_.size()) * sizeof(*time_sums_.data()), stream_),

@@ -61,6 +61,26 @@ TESSERA_HD inline void add_view_gradient(const ViewArgs<Real>& view, const Gauss
   sums.ndc_norms += growth_norm(view, splat, d.mean2d, length);
 }
 
+/// What a splat adds to the gradients by the time and by the readout of its view.
+template <class Real>
+struct TimeGradient {
+  Real time{}, readout{};
+};
+
+/// `d_mean_time`: what the splat added to SpacetimeGradient::mean_time, since a Gaussian knows a
+/// time by its distance from the mean in time; its colour has no row.
+template <class Real>
+TESSERA_HD inline TimeGradient<Real> time_gradient(
+    const ViewArgs<Real>& view, const GaussianState<Real>& g, const Slice<Real>& slice,
+    const ColourRules<Real>& colours, const Vec3<Real>& time_slope, const Splat<Real>& splat,
+    const SplatMoments<Real>& moments, Real d_mean_time) {
+  Real of_colour = Real(0);
+  if (colours.levels > 0)
+    of_colour = dot(time_slope, unclamped_gradient(splat.negative, moments.colour));
+  return {-d_mean_time,
+          (of_colour - d_mean_time) * shown_row_share(view, g, slice, splat.mean2d[1])};
+}
+
 /// Sums over the views of one canonical Gaussian: of what does not pass through its nodes.
 template <class Real>
 struct CarriedSums {

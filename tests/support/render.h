@@ -80,7 +80,7 @@ struct Backward {
   Rendered<Real> rendered;
   unsigned bad = 0;
   std::vector<ColourMap<double>> d_maps;
-  std::vector<double> d_times;
+  std::vector<double> d_times, d_readouts;
   std::vector<Real> d_environment;
   TestNodes<Real> d_nodes;
 
@@ -144,6 +144,7 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   out.bad = outcome.bad_groups;
   out.d_maps = outcome.d_maps;
   out.d_times = outcome.d_times;
+  out.d_readouts = outcome.d_readouts;
   out.fixed = gradients[0].fetch();
   out.moving = gradients[1].fetch();
   for (size_t set = 0; set < 2; ++set) {

@@ -140,7 +140,7 @@ TEST(Calibration, OneFileACamera) {
 TEST(Calibration, LlffRowsGoByTheOrderOfNames) {
   const TemporaryFolder folder;
   LlffPose first, second;
-  first.camera = {64, 48, 50, 50, 32, 24, glm::dmat3(1), {0, 0, 1}};
+  first.camera = {64, 48, 50, 50, 32, 24, 0, glm::dmat3(1), {0, 0, 1}};
   second.camera = first.camera;
   second.camera.translation = {1, 2, 3};
   write_llff_poses(folder / "p.npy", {first, second});

@@ -176,7 +176,7 @@ TEST(Undistortion, TransparentColoursDoNotBleed) {
       image.data[p] = 50;
       image.data[p + 3] = 0;
     }
-  const Camera camera{40, 30, 30, 30, 20, 15, glm::dmat3(1), glm::dvec3(0)};
+  const Camera camera{40, 30, 30, 30, 20, 15, 0, glm::dmat3(1), glm::dvec3(0)};
   Lens lens;
   lens.k1 = -0.1;
   lens.p2 = 0.05;

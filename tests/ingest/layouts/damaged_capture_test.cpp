@@ -57,7 +57,7 @@ void write_llff(const path& capture) {
   std::filesystem::remove_all(capture / "sparse");
   std::vector<LlffPose> poses(4);
   for (int i = 0; i < 4; ++i) {
-    poses[size_t(i)].camera = {32, 24, 40, 40, 16, 12, glm::dmat3(1), glm::dvec3(i, 0, 0)};
+    poses[size_t(i)].camera = {32, 24, 40, 40, 16, 12, 0, glm::dmat3(1), glm::dvec3(i, 0, 0)};
     poses[size_t(i)].near = 1;
     poses[size_t(i)].far = 5;
   }

@@ -18,7 +18,7 @@ Lens lens_of(const std::string& model, const std::vector<double>& parameters) {
 }
 
 Camera camera_of_100_by_80() {
-  return {100, 80, 60, 60, 50, 40, glm::dmat3(1), glm::dvec3(0)};
+  return {100, 80, 60, 60, 50, 40, 0, glm::dmat3(1), glm::dvec3(0)};
 }
 
 void expect_met(const Lens& lens, const glm::dvec2& ray, double x, double y) {
@@ -180,7 +180,7 @@ TEST(Lens, UndistortedCameraHasNoBlankPixels) {
 // that turns back where the image has no pixels is no fault of it. Bugs put back: the principal
 // point kept; a turn searched for from the axis on; each seen to fail.
 TEST(Lens, PrincipalPointOutsideOfTheImage) {
-  const Camera camera{1920, 1048, 1400, 1400, 950, 1560, glm::dmat3(1), glm::dvec3(0)};
+  const Camera camera{1920, 1048, 1400, 1400, 950, 1560, 0, glm::dmat3(1), glm::dvec3(0)};
   const auto hangs_over = [&](const Lens& lens, const Camera& pinhole) {
     double most = -1e9;
     for (int i = 0; i <= 100; ++i)
@@ -239,8 +239,8 @@ TEST(PinholeView, TheFullViewHasAllThatTheImageShows) {
 }
 
 TEST(PinholeView, AFisheyeKeepsAHundredAndTwentyDegrees) {
-  const Camera camera{400, 300, 127.3,         127.3,
-                      200, 150, glm::dmat3(1), glm::dvec3(0)};  // 180 degrees
+  const Camera camera{400, 300, 127.3,         127.3,        200,
+                      150, 0,   glm::dmat3(1), glm::dvec3(0)};  // 180 degrees
   const Lens fisheye{.projection = Lens::Projection::kFisheye};
   const PinholeView view = pinhole_view(camera, fisheye, FieldOfView::kAuto, "test");
   EXPECT_EQ(view.kept, FieldOfView::kFull);

@@ -30,7 +30,7 @@ std::vector<RigCamera> read(const json& file) {
 /// The camera that `entry` states.
 void expect_stated(const RigCamera& camera) {
   const Camera expected{
-      120, 80, 100, 110, 60.5, 40.5, glm::dmat3({0, -1, 0}, {1, 0, 0}, {0, 0, 1}), {1, 2, 3}};
+      120, 80, 100, 110, 60.5, 40.5, 0, glm::dmat3({0, -1, 0}, {1, 0, 0}, {0, 0, 1}), {1, 2, 3}};
   expect_same_camera(camera.camera, expected, 1e-12);
 }
 

@@ -145,7 +145,7 @@ glm::dvec2 light_near(const Image8& image, const glm::dvec2& place, int reach) {
 // pinhole camera has it. Dots are round in the undistorted image: each pixel that is filmed takes
 // its light from its ray. Bug put back: the principal point kept; seen to fail.
 TEST(PhotoDistortion, AGridComesBackWithThePrincipalPointOutsideOfTheImage) {
-  const Camera camera{320, 174, 233, 233, 158, 260, glm::dmat3(1), glm::dvec3(0)};
+  const Camera camera{320, 174, 233, 233, 158, 260, 0, glm::dmat3(1), glm::dvec3(0)};
   const Lens lens{.k1 = -0.27, .k2 = 0.19};
   const Camera pinhole = pinhole_view(camera, lens, FieldOfView::kValid, "test").camera;
   const auto in_pinhole = [&](const glm::dvec2& ray) {

@@ -28,6 +28,10 @@ class BackendGradient : public EveryBackend {
     ASSERT_EQ(actual.d_times.size(), expected.d_times.size());
     for (size_t b = 0; b < expected.d_times.size(); ++b)
       EXPECT_NEAR(actual.d_times[b], expected.d_times[b], 1e-4 * added) << "time of view " << b;
+    ASSERT_EQ(actual.d_readouts.size(), expected.d_readouts.size());
+    for (size_t b = 0; b < expected.d_readouts.size(); ++b)
+      EXPECT_NEAR(actual.d_readouts[b], expected.d_readouts[b], 1e-4 * added)
+          << "readout of view " << b;
     for (int set = 0; set < 2; ++set) {
       const auto& a = set == 0 ? actual.fixed : actual.moving;
       const auto& e = set == 0 ? expected.fixed : expected.moving;
@@ -64,6 +68,16 @@ TEST_P(BackendGradient, OneViewAndFive) {
     SCOPED_TRACE(views.size());
     set_views(scene, views, 23);
     keep_truth_away(scene, 24);
+    expect_gradients(scene);
+  }
+}
+
+TEST_P(BackendGradient, ARollingShutter) {
+  for (const SetForm form : kDynamicForms) {
+    TestScene<double> scene = random_scene(60, 80, 0.2, 46, form);
+    for (size_t b = 0; b < scene.views.size(); ++b)
+      scene.views[b].camera.readout = b % 2 == 0 ? 0.1 : -0.1;
+    keep_truth_away(scene, 47);
     expect_gradients(scene);
   }
 }
