@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -108,12 +109,15 @@ struct IngestOptions {
   std::filesystem::path masks;  // folder of masks named as images or cameras; it replaces those
                                 // that a capture states; empty: the stated ones
   SyncOptions sync;             // videos
-  PoseOptions poses;            // videos and photos
-  std::filesystem::path work;   // where estimates are kept for the next time; empty: out + ".work"
-  bool invert_masks = false;    // black is used, not ignored
-  bool sample = false;          // a few timesteps of videos, images at most 960 pixels wide: enough
-                                // for a diagnosis
-  bool check_cameras = false;   // of rigs: warn of turned and of darker cameras
+  /// Videos: Camera::readout of cameras by name, seconds; of "": all others. Beside those that a
+  /// calibration states.
+  std::map<std::string, double> readouts{};
+  PoseOptions poses;           // videos and photos
+  std::filesystem::path work;  // where estimates are kept for the next time; empty: out + ".work"
+  bool invert_masks = false;   // black is used, not ignored
+  bool sample = false;         // a few timesteps of videos, images at most 960 pixels wide: enough
+                               // for a diagnosis
+  bool check_cameras = false;  // of rigs: warn of turned and of darker cameras
   /// Searches the pixels of a dense cloud, where it gives anything, in place of the CPU.
   std::function<std::unique_ptr<PixelSearch>()> pixel_search{};
 };

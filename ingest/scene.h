@@ -88,7 +88,8 @@ struct Scene {
   PointCloud points;          // may be empty
   TimeAxis time_axis;
   Similarity prepared_from_source;  // what was done to the world; identity where nothing was
-  bool is_static = false;           // one timestep (no times given, or all equal and allowed)
+  std::set<std::string> measured_clocks{};  // cameras whose times motion or sound moved
+  bool is_static = false;  // one timestep (no times given, or all equal and allowed)
   // Of what stands still in a clip (ingest/derived/static_scene.h): timesteps of that clip; else
   // 0.
   int64_t static_of = 0;

@@ -1,5 +1,4 @@
-// Counts of the cameras that see each sample point. The loss that a finding states for four cameras
-// is that of the published N3V results.
+// Counts of the cameras that see each sample point.
 #include "ingest/checks/coverage.h"
 
 #include <fmt/format.h>
@@ -7,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+
+#include "ingest/checks/rig_spacing.h"
+#include "kernels/base/camera_rig.h"
 
 namespace tessera {
 namespace {
@@ -19,25 +21,10 @@ glm::dvec3 axis_of(const Camera& camera) {
   return glm::transpose(camera.cam_from_world)[2];
 }
 
-/// The point nearest to all viewing axes: Σ (1 − d dᵀ)(x − c) = 0; parallel axes: a unit ahead.
-glm::dvec3 focus_of(const std::vector<Station>& stations) {
-  glm::dmat3 sum(0.0);
-  glm::dvec3 right(0.0);
-  glm::dvec3 ahead(0.0);
-  for (const Station& station : stations) {
-    const glm::dvec3 d = axis_of(station.camera);
-    const glm::dmat3 across = glm::dmat3(1.0) - glm::outerProduct(d, d);
-    sum += across;
-    right += across * station.camera.position();
-    ahead += station.camera.position() + d;
-  }
-  const double scale = double(stations.size());
-  if (glm::determinant(sum) < 1e-6 * scale * scale * scale) return ahead / scale;
-  return glm::inverse(sum) * right;
-}
-
 std::vector<glm::dvec3> grid_samples(const std::vector<Station>& stations, size_t most) {
-  const glm::dvec3 focus = focus_of(stations);
+  std::vector<Camera> cameras;
+  for (const Station& station : stations) cameras.push_back(station.camera);
+  const glm::dvec3 focus = make_camera_rig(cameras).focus;
   const size_t each = std::max<size_t>(1, most / (3 * std::max<size_t>(1, stations.size())));
   const int side = std::max(2, int(std::sqrt(double(each))));
   std::vector<glm::dvec3> samples;
@@ -68,8 +55,6 @@ std::vector<std::vector<bool>> visibility(const std::vector<Station>& stations,
 
 void judge(CoverageCheck& check) {
   const size_t cameras = check.name.size();
-  if (int64_t(cameras) < kFewTrainingCameras)
-    check.findings.push_back(few_cameras(int64_t(cameras)));
   const double weak = check.seen_by_none + check.seen_by_one;
   const bool warn = weak > kMuchUnseen;
   check.findings.push_back(
@@ -130,15 +115,6 @@ std::vector<std::vector<int>> overlapping_stations(const std::vector<Station>& s
   return best;
 }
 
-Finding few_cameras(int64_t cameras) {
-  return {Severity::kWarning, "coverage", "",
-          fmt::format("{} training camera{}: new views will be poor (published results with 4 "
-                      "cameras on N3V: 17.7 to 22.3 dB, against about 32 with all)",
-                      cameras, cameras == 1 ? "" : "s"),
-          fmt::format("film with {} or more beside the one that is held out for the score",
-                      kFewTrainingCameras)};
-}
-
 CoverageCheck check_coverage(const Scene& scene) {
   const std::vector<Station> stations = training_stations(scene);
   const std::vector<glm::dvec3> samples = view_samples(scene, stations, kSamples);
@@ -147,6 +123,8 @@ CoverageCheck check_coverage(const Scene& scene) {
   for (const auto& of_station : seen)
     for (size_t p = 0; p < samples.size(); ++p) cameras[p] += of_station[p];
   CoverageCheck check;
+  const bool held_out = !scene.is_static && !scene.split_indices(Split::kTest).empty();
+  if (const auto expected = expected_views(stations, held_out)) check.findings.push_back(*expected);
   check.by_cloud = scene.points.position.size() >= 100;
   const double count = double(samples.size());
   check.seen_by_none = double(std::count(cameras.begin(), cameras.end(), 0)) / count;

@@ -18,11 +18,6 @@ std::vector<std::vector<int>> overlapping_stations(const std::vector<Station>& s
                                                    const std::vector<glm::dvec3>& samples,
                                                    size_t most);
 
-/// Fewer training cameras than this show new views poorly.
-inline constexpr int64_t kFewTrainingCameras = 5;
-/// What to expect of `cameras`, which are fewer, and what helps.
-Finding few_cameras(int64_t cameras);
-
 struct CoverageCheck {
   bool by_cloud = false;          // by points of the cloud, else by a grid
   double seen_by_none = 0;        // share of the samples

@@ -47,6 +47,7 @@ StatedIntrinsics StatedIntrinsics::or_else(const StatedIntrinsics& file) const {
   merged.cy = first_of(cy, file.cy);
   merged.w = first_of(w, file.w);
   merged.h = first_of(h, file.h);
+  merged.readout = first_of(readout, file.readout);
   return merged;
 }
 
@@ -87,6 +88,7 @@ void set_intrinsics(Camera& camera, const StatedIntrinsics& stated, int width, i
   in_stated_size.cy = stated.cy.value_or(0.5 * h);
   if (!std::isfinite(in_stated_size.cx) || !std::isfinite(in_stated_size.cy))
     throw InputError(fmt::format("{}: cx or cy is not finite; correct it", where));
+  in_stated_size.readout = stated.readout.value_or(camera.readout);
   camera = in_stated_size.resized(width, height);
 }
 

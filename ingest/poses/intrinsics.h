@@ -13,6 +13,7 @@ struct StatedIntrinsics {
   std::optional<double> fl_x, fl_y, cx, cy;              // pixels of a w × h image
   std::optional<double> camera_angle_x, camera_angle_y;  // radians, full field of view
   std::optional<int> w, h;                               // pixels
+  std::optional<double> readout;                         // Camera::readout, seconds
 
   /// The values of this level, and those of `file` where this level has none. A level's focal
   /// length and angle go together: an angle stated here beats a focal length stated there.

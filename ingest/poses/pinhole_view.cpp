@@ -151,17 +151,8 @@ bool cuts_much(const Camera& valid, const Camera& full) {
          valid.height / valid.fl_y < kMost * full.height / full.fl_y;
 }
 
-}  // namespace
-
-double shortest_ray(const Camera& camera) {
-  const double x = std::clamp(camera.cx, 0.0, double(camera.width)) - camera.cx;
-  const double y = std::clamp(camera.cy, 0.0, double(camera.height)) - camera.cy;
-  return std::hypot(x / camera.fl_x, y / camera.fl_y);
-}
-
-PinholeView pinhole_view(const Camera& camera, const Lens& lens, FieldOfView kept,
-                         const std::string& where) {
-  if (lens.is_pinhole()) return {camera};
+PinholeView undistorted_view(const Camera& camera, const Lens& lens, FieldOfView kept,
+                             const std::string& where) {
   if (kept == FieldOfView::kValid) return {valid_camera(camera, lens, where)};
   const bool is_stated = kept == FieldOfView::kFull;
   std::optional<Camera> valid, full = full_camera(camera, lens);
@@ -173,6 +164,23 @@ PinholeView pinhole_view(const Camera& camera, const Lens& lens, FieldOfView kep
     }
   if (valid && (!full || !cuts_much(*valid, *full))) return {*valid};
   return {*full, FieldOfView::kFull, !sees_all(camera, lens, *full)};
+}
+
+}  // namespace
+
+double shortest_ray(const Camera& camera) {
+  const double x = std::clamp(camera.cx, 0.0, double(camera.width)) - camera.cx;
+  const double y = std::clamp(camera.cy, 0.0, double(camera.height)) - camera.cy;
+  return std::hypot(x / camera.fl_x, y / camera.fl_y);
+}
+
+PinholeView pinhole_view(const Camera& camera, const Lens& lens, FieldOfView kept,
+                         const std::string& where) {
+  if (lens.is_pinhole()) return {camera};
+  PinholeView view = undistorted_view(camera, lens, kept, where);
+  const double rows = view.camera.height / view.camera.fl_y * camera.fl_y / camera.height;
+  view.camera.readout = camera.readout * rows;  // of those that it shows
+  return view;
 }
 
 }  // namespace tessera

@@ -73,6 +73,8 @@ StatedIntrinsics intrinsics_of(const StatedObject& object) {
   stated.camera_angle_y = object.number("camera_angle_y");
   stated.w = pixels_at(object, "w");
   stated.h = pixels_at(object, "h");
+  const auto readout = object.named({"readout", "rollingshutter", "rollingshuttertime"});
+  if (readout && readout.value->is_number()) stated.readout = object.number(readout.key);
   return stated;
 }
 

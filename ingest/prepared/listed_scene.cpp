@@ -37,6 +37,11 @@ void place_world(const std::filesystem::path& folder, TransformsCapture& capture
   scene.prepared_from_source = compose(change, less(origin));
 }
 
+void scale_readout(double factor, TransformsFrame& frame) {
+  frame.camera.readout *= factor;
+  if (frame.intrinsics.readout) *frame.intrinsics.readout *= factor;
+}
+
 /// States points on the axis of a part of the clip. Those that are seen at other times say nothing
 /// of it and are left out, and a cloud that says what stands still, as a sweep makes it anew.
 void cut_points(const TimeAxis& clip, const TimeAxis& part, PointCloud& points) {
@@ -78,6 +83,7 @@ void ListedScene::cut(const Window& window) {
   for (double& of_frame : kept.time) of_frame = (of_frame - low) / (high - low);
   const TimeAxis& axis = scene.time_axis;
   const TimeAxis part{axis.origin + low * axis.duration, (high - low) * axis.duration};
+  for (TransformsFrame& frame : kept.capture.frames) scale_readout(1 / (high - low), frame);
   cut_points(axis, part, scene.points);
   scene.time_axis = part;
   capture.frames = std::move(kept.capture.frames);
@@ -97,7 +103,10 @@ ListedScene list_scene(const std::filesystem::path& folder, bool allow_static) {
   scene.time_axis = times.axis;
   scene.is_static = times.is_static;
   scene.static_of = capture.prepared_static_of;
+  scene.measured_clocks = capture.measured_clocks;
   std::vector<FrameTime> frames;
+  for (TransformsFrame& frame : capture.frames)  // states seconds
+    scale_readout(scene.is_static ? 0 : 1 / scene.time_axis.duration, frame);
   for (size_t i = 0; i < times.time.size(); ++i)
     frames.push_back({capture.frames[i].camera_name, times.time[i], capture.frames[i].split});
   listed.time = std::move(times.time);

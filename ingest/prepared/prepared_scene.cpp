@@ -40,6 +40,7 @@ ordered_json frame_json(const CaptureFrame& prepared) {
                     {"cy", camera.cy},
                     {"transform_matrix", std::move(matrix)},
                     {"tessera", std::move(tessera)}};
+  if (camera.readout != 0) file["readout"] = camera.readout;
   if (!prepared.mask_path.empty()) file["mask_path"] = prepared.mask_path;
   return file;
 }

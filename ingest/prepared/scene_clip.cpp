@@ -86,8 +86,10 @@ std::vector<int64_t> ticks_of(const json& runs, int64_t most, const std::string&
 }
 
 ordered_json intrinsics_json(const Camera& camera) {
-  return {{"w", camera.width},   {"h", camera.height}, {"fl_x", camera.fl_x},
-          {"fl_y", camera.fl_y}, {"cx", camera.cx},    {"cy", camera.cy}};
+  ordered_json object{{"w", camera.width},   {"h", camera.height}, {"fl_x", camera.fl_x},
+                      {"fl_y", camera.fl_y}, {"cx", camera.cx},    {"cy", camera.cy}};
+  if (camera.readout != 0) object["readout"] = camera.readout;
+  return object;
 }
 
 void read_intrinsics(const json& entry, const std::string& where, Camera& camera) {
@@ -103,6 +105,7 @@ void read_intrinsics(const json& entry, const std::string& where, Camera& camera
   camera.fl_y = number("fl_y");
   camera.cx = finite_number(entry, "cx", where).value_or(camera.width / 2.0);
   camera.cy = finite_number(entry, "cy", where).value_or(camera.height / 2.0);
+  camera.readout = finite_number(entry, "readout", where).value_or(0);
 }
 
 void read_files(const json& entry, const std::string& where, SceneClip& clip) {

@@ -150,6 +150,14 @@ void read_prepared_object(const json& object, const std::string& where,
   capture.prepared_static_of =
       capture.prepared_static && clip >= 1 && clip < 1e9 ? int64_t(clip) : 0;
   capture.prepared_from_source = world_transform_of(object, where);
+  if (const auto cameras = object.find("cameras"); cameras != object.end() && cameras->is_array())
+    for (const json& camera : *cameras) {
+      const StatedObject row(camera, where);
+      const std::string source = row.text("time_offset_source");
+      const bool is_moved = row.number("time_offset").value_or(0) != 0;
+      if (is_moved && (source == "motion" || source == "audio"))
+        capture.measured_clocks.insert(row.text("name"));
+    }
 }
 
 void read_file(const std::filesystem::path& path, Split split_of_file, Images images,

@@ -45,7 +45,8 @@ struct TransformsCapture {
   std::string points_file;                   // ply_file_path, empty when not stated
   std::optional<TimeAxis> prepared_axis;     // set where a `tessera` object is present
   bool prepared_static = false;
-  int64_t prepared_static_of = 0;    // Scene::static_of
+  int64_t prepared_static_of = 0;           // Scene::static_of
+  std::set<std::string> measured_clocks{};  // of Scene
   Similarity prepared_from_source;   // of the poses' world; identity without a `tessera` object
   std::vector<std::string> missing;  // file_path of frames without an image, left out
   std::vector<std::string> warnings;

@@ -6,10 +6,10 @@
 
 #include "ingest/checks/camera_table.h"
 #include "ingest/checks/camera_warnings.h"
-#include "ingest/checks/coverage.h"
 #include "ingest/checks/exposure.h"
-#include "ingest/checks/thinned_scene.h"
+#include "ingest/checks/rig_spacing.h"
 #include "ingest/cloud/initial_cloud.h"
+#include "ingest/derived/thinned_scene.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/layouts/capture_layout.h"
@@ -107,6 +107,26 @@ void warn_of_odd_cameras(const std::filesystem::path& folder, Capture& capture) 
   capture.warnings.insert(capture.warnings.end(), odd.begin(), odd.end());
 }
 
+/// New views of a rig of few cameras.
+void say_what_to_expect(Capture& capture) {
+  if (!cameras_of_a_rig(capture)) return;
+  std::map<std::string, Station> training;
+  bool held_out = false;
+  for (const CaptureFrame& prepared : capture.frames) {
+    const Frame& frame = prepared.frame;
+    held_out |= frame.split == Split::kTest;
+    if (frame.split == Split::kTrain)
+      training[frame.camera_name] = {frame.camera_name, frame.camera, frame.split, {}};
+  }
+  std::vector<Station> stations;
+  for (const auto& [name, station] : training) stations.push_back(station);
+  const std::optional<Finding> expected = expected_views(stations, held_out && !capture.is_static);
+  if (!expected) return;
+  const bool warns = expected->severity == Severity::kWarning;
+  (warns ? capture.warnings : capture.notes)
+      .push_back(expected->measured + "; " + expected->advice);
+}
+
 }  // namespace
 
 Capture finish_scene(Capture capture, const StepContext& context) {
@@ -116,10 +136,7 @@ Capture finish_scene(Capture capture, const StepContext& context) {
   write_prepared_scene(folder, capture);  // read by the next two
   if (options.fit_exposure) even_exposure(folder, capture, context.progress);
   add_initial_cloud(folder, options, context.progress, capture);
-  if (const auto cameras = cameras_of_a_rig(capture); cameras && *cameras < kFewTrainingCameras) {
-    const Finding few = few_cameras(*cameras);
-    capture.warnings.push_back(few.measured + "; " + few.advice);
-  }
+  say_what_to_expect(capture);
   capture.has_points = !capture.points.position.empty();
   if (capture.has_points) write_points(folder / "points.ply", capture.points);
   write_prepared_scene(folder, capture);

@@ -39,6 +39,7 @@ void check_layout_options(const LayoutRow& layout, const IngestOptions& o) {
         {o.fps.has_value(), videos, "--fps", "videos"},
         {!o.cameras.empty(), videos, "--cameras", "videos"},
         {!o.sync.offsets.empty(), videos, "--offsets", "videos"},
+        {!o.readouts.empty(), videos, "--readout", "videos"},
         {!o.poses.lens_model.empty(), estimated, "--camera-model", "poses to be estimated"},
         {o.poses.intrinsics_per_camera, estimated, "--intrinsics", "poses to be estimated"}})
     if (row.given && !row.fits)
@@ -79,10 +80,10 @@ Capture name_unused_masks(Capture capture, const StepContext&) {
   return capture;
 }
 
-constexpr Step* kSteps[] = {open_clips,    pose_cameras,      pose_frames, align_clocks,
-                            choose_frames, choose_splits,     set_times,   find_masks,
-                            write_images,  name_unused_masks, check_masks, read_points,
-                            finish_scene};
+constexpr Step* kSteps[] = {open_clips,   pose_cameras,  pose_frames,       state_readouts,
+                            align_clocks, choose_frames, choose_splits,     set_times,
+                            find_masks,   write_images,  name_unused_masks, check_masks,
+                            read_points,  finish_scene};
 
 IngestReport report_of(Capture capture, CaptureLayout layout) {
   IngestReport report;

@@ -26,6 +26,8 @@ Step pose_cameras;
 /// Of photos without poses, and of one clip without: a pose a frame, by COLMAP. Frames of a clip
 /// are image files afterwards, at most 300 without --fps, --duration and --frames, evenly.
 Step pose_frames;
+/// Of clips: how long their cameras read an image out.
+Step state_readouts;
 /// Of clips: one clock a camera.
 Step align_clocks;
 /// Of clips: the frames of the window that was asked for. Of frames with times: those of each

@@ -63,6 +63,7 @@ struct ContainerClock {
 /// The presentation times of the frames, and the defects of their clock.
 struct VideoTimeline {
   int width = 0, height = 0;   // of the upright image: a rotation flag is undone
+  int quarter_turns = 0;       // by which frames were turned for that, clockwise, 0 to 3
   double pixel_aspect = 1;     // width of a pixel by its height, as shown
   Rational time_base;          // seconds a tick
   std::vector<int64_t> ticks;  // presentation times of the frames that are shown, increasing

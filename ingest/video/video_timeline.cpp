@@ -76,6 +76,7 @@ VideoTimeline read_timeline(const std::filesystem::path& path) {
   VideoFile file(path);
   VideoTimeline timeline;
   timeline.width = file.width();
+  timeline.quarter_turns = file.quarter_turns();
   timeline.height = file.height();
   timeline.pixel_aspect = file.pixel_aspect();
   timeline.time_base = file.time_base();

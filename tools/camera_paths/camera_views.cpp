@@ -29,7 +29,8 @@ double model_time(const GaussianModel& model, const TimeAxis& axis, double time)
 /// A camera of a file into the model's world. A prepared scene states how its world comes from the
 /// source's (`prepared_from_source`); any other file is in the source's world: the identity.
 Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
-                    const Camera& camera) {
+                    Camera camera) {
+  camera.readout = 0;  // what is shown is one instant
   if (prepared_from_source == model.prepared_from_source) return camera;
   return camera_in_world(compose(model.prepared_from_source, inverse(prepared_from_source)),
                          camera);

@@ -5,6 +5,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -53,6 +55,29 @@ Enum enum_of(const std::string& word, const char* option) {
   Words<Enum> words;
   for (const char* name : kEnumNames<Enum>) words.emplace_back(name, Enum(words.size()));
   return value_of(words, word, option);
+}
+
+/// "16ms", "0.016", "cam01=16ms" each, in seconds by camera.
+std::map<std::string, double> readouts_of(const std::vector<std::string>& texts) {
+  constexpr double kLongest = 1;
+  std::map<std::string, double> readouts;
+  for (const std::string& text : texts) {
+    const size_t equals = text.rfind('=');
+    const size_t first = equals == std::string::npos ? 0 : equals + 1;
+    double value = 0;
+    const char* const end = text.data() + text.size();
+    const auto parsed = std::from_chars(text.data() + first, end, value);
+    const std::string_view unit(parsed.ptr, end);
+    if (unit == "ms") value /= 1000;
+    if (parsed.ec != std::errc() || !(unit.empty() || unit == "s" || unit == "ms") ||
+        !(std::abs(value) <= kLongest))
+      throw InputError(fmt::format(
+          "--readout is '{}'; give a time up to a second like 16ms, or a camera and a time like "
+          "cam01=16ms",
+          text));
+    readouts[first == 0 ? "" : text.substr(0, equals)] = value;
+  }
+  return readouts;
 }
 
 /// A word, or a file or folder of cameras.
@@ -137,6 +162,11 @@ void add_camera_options(CLI::App& command, IngestArguments& arguments) {
       ->capture_default_str();
   command.add_option("--offsets", options.sync.offsets,
                      "file of clock offsets in seconds by camera; replaces --sync");
+  command
+      .add_option("--readout", arguments.readouts,
+                  "videos: time in which a rolling shutter reads an image from its top row to its "
+                  "bottom one, for example 16ms, or of single cameras cam01=16ms,cam02=-8ms")
+      ->delimiter(',');
   command.add_flag("--strict", options.strict,
                    "treat a missing or unreadable image and a camera without a pose as errors");
 }
@@ -182,6 +212,7 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
   IngestOptions options = arguments.options;
   check_values(options);
   options.sync.method = enum_of<SyncMethod>(arguments.sync, "--sync");
+  options.readouts = readouts_of(arguments.readouts);
   options.poses.source = pose_source(arguments.poses);
   options.poses.intrinsics_per_camera =
       value_of(kIntrinsicsWords, arguments.intrinsics, "--intrinsics");
@@ -209,33 +240,35 @@ void require_one_capture(const std::filesystem::path& folder, const IngestOption
 
 nlohmann::json to_json(const IngestOptions& o) {
   constexpr const char* kDefault = "default";  // which follows from the capture
-  return {{"scale", o.scale},
-          {"frames", o.frames.value_or(0)},
-          {"start", o.start},
-          {"duration", o.duration.value_or(0)},
-          {"fps", o.fps.value_or(0)},
-          {"cameras", o.cameras},
-          {"held_out", o.held_out},
-          {"static", o.allow_static},
-          {"layout", o.layout ? layout_name(*o.layout) : ""},
-          {"image_layout", o.image_layout ? name_of(*o.image_layout) : kDefault},
-          {"images", o.images},
-          {"frames_as", name_of(o.frames_as)},
-          {"undistort", name_of(o.field_of_view)},
-          {"test_every", o.test_every.value_or(-1)},
-          {"poses", text_of(o.poses.source)},
-          {"files of the poses", stamps_of(o.poses.source.cameras)},
-          {"camera_model", o.poses.lens_model},
-          {"intrinsics_per_camera", o.poses.intrinsics_per_camera},
-          {"sync", name_of(o.sync.method)},
-          {"files of the offsets", stamps_of(o.sync.offsets)},
-          {"strict", o.strict},
-          {"files of the masks", stamps_of(o.masks)},
-          {"invert_masks", o.invert_masks},
-          {"fit_exposure", o.fit_exposure},
-          {"keep_world", o.keep_world},
-          {"cloud", o.cloud ? name_of(*o.cloud) : kDefault},
-          {"cloud_points", o.cloud_points}};
+  nlohmann::json object{{"scale", o.scale},
+                        {"frames", o.frames.value_or(0)},
+                        {"start", o.start},
+                        {"duration", o.duration.value_or(0)},
+                        {"fps", o.fps.value_or(0)},
+                        {"cameras", o.cameras},
+                        {"held_out", o.held_out},
+                        {"static", o.allow_static},
+                        {"layout", o.layout ? layout_name(*o.layout) : ""},
+                        {"image_layout", o.image_layout ? name_of(*o.image_layout) : kDefault},
+                        {"images", o.images},
+                        {"frames_as", name_of(o.frames_as)},
+                        {"undistort", name_of(o.field_of_view)},
+                        {"test_every", o.test_every.value_or(-1)},
+                        {"poses", text_of(o.poses.source)},
+                        {"files of the poses", stamps_of(o.poses.source.cameras)},
+                        {"camera_model", o.poses.lens_model},
+                        {"intrinsics_per_camera", o.poses.intrinsics_per_camera},
+                        {"sync", name_of(o.sync.method)},
+                        {"files of the offsets", stamps_of(o.sync.offsets)},
+                        {"strict", o.strict},
+                        {"files of the masks", stamps_of(o.masks)},
+                        {"invert_masks", o.invert_masks},
+                        {"fit_exposure", o.fit_exposure},
+                        {"keep_world", o.keep_world},
+                        {"cloud", o.cloud ? name_of(*o.cloud) : kDefault},
+                        {"cloud_points", o.cloud_points}};
+  if (!o.readouts.empty()) object["readouts"] = o.readouts;
+  return object;
 }
 
 IngestReport ingest_with_progress(const std::filesystem::path& capture,

@@ -11,6 +11,7 @@ namespace tessera {
 
 struct IngestArguments {
   IngestOptions options;
+  std::vector<std::string> readouts;
   std::string sync = "auto", intrinsics = "shared", cloud, layout, poses, frames_as = "png",
               undistort = "auto";
 };

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/camera_table_text.h"
-#include "ingest/checks/thinned_scene.h"
 #include "ingest/colmap/colmap_model.h"
+#include "ingest/derived/thinned_scene.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/cache_folder.h"
 #include "ingest/files/folders.h"

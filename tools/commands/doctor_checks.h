@@ -6,7 +6,7 @@
 
 #include "ingest/camera_row.h"
 #include "ingest/checks/finding.h"
-#include "ingest/checks/thinned_scene.h"
+#include "ingest/derived/thinned_scene.h"
 #include "tools/windows/window_choice.h"
 
 namespace tessera {

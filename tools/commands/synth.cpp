@@ -21,7 +21,7 @@ namespace {
 struct SynthRequest {
   SynthOptions options;
   std::string scene, layout = "n3dv", fps = "24", out;
-  std::vector<std::string> shifts;
+  std::vector<std::string> shifts, readouts;
   int threads = 0;
   bool list = false, overwrite = false, json = false;
 };
@@ -38,8 +38,8 @@ std::vector<std::string> names_of(const Rows& rows) {
   throw InputError(fmt::format("synth: unknown {} '{}'{}", what, typed, known_names(typed, names)));
 }
 
-/// "cam03=1.5" → the shift of camera 3.
-void parse_shift(const std::string& text, std::vector<double>& shifts) {
+/// "cam03=1.5" → the value of camera 3.
+void parse_frames(const char* option, const std::string& text, std::vector<double>& values) {
   constexpr std::string_view kPrefix = "cam";
   const char* const end = text.data() + text.size();
   size_t camera = 0;
@@ -50,9 +50,9 @@ void parse_shift(const std::string& text, std::vector<double>& shifts) {
   if (named) parsed = std::from_chars(parsed.ptr + 1, end, frames);
   if (!named || parsed.ec != std::errc() || parsed.ptr != end)
     throw InputError(
-        fmt::format("synth: --shift is '{}'; give a camera and frames like cam03=1.5", text));
-  shifts.resize(std::max(shifts.size(), camera + 1));
-  shifts[camera] = frames;
+        fmt::format("synth: {} is '{}'; give a camera and frames like cam03=1.5", option, text));
+  values.resize(std::max(values.size(), camera + 1));
+  values[camera] = frames;
 }
 
 int list_scenes(bool as_json) {
@@ -82,7 +82,10 @@ int synth(SynthRequest request) {
   request.options.scene = *scene;
   request.options.layout = *layout;
   request.options.fps = parse_frame_rate("synth", request.fps);
-  for (const std::string& shift : request.shifts) parse_shift(shift, request.options.shifts);
+  for (const std::string& shift : request.shifts)
+    parse_frames("--shift", shift, request.options.shifts);
+  for (const std::string& readout : request.readouts)
+    parse_frames("--readout", readout, request.options.readouts);
   set_thread_count(request.threads);
   const std::filesystem::path out = request.out;
   check_may_replace(out, "a made capture", is_made_capture(out), request.overwrite);
@@ -135,6 +138,11 @@ void add_synth_command(CLI::App& app, Work& work) {
   command
       ->add_option("--shift", request->shifts,
                    "camNN=X[,...]: that camera films X frames later than its stamps say")
+      ->delimiter(',');
+  command
+      ->add_option("--readout", request->readouts,
+                   "camNN=X[,...]: that camera has a rolling shutter: its bottom row is exposed X "
+                   "frames after the top one, or before")
       ->delimiter(',');
   command->add_option("--seed", options.seed, "of textures, colours and small offsets");
   command->add_option("--supersampling", options.supersampling, "N x N rays a pixel");

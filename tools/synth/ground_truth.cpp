@@ -35,6 +35,7 @@ ordered_json options_json(const SynthOptions& options) {
                       {"moving_share", options.moving_share},
                       {"points", options.points}};
   if (!options.shifts.empty()) object["shifts"] = options.shifts;
+  if (!options.readouts.empty()) object["readouts"] = options.readouts;
   if (options.repeat > 0) object["repeat"] = options.repeat;
   return object;
 }
@@ -82,10 +83,14 @@ ordered_json views_json(const SynthOptions& options, const std::vector<TrueView>
       row["seconds"] = seconds(options, view.time);
     }
     if (options.camera_gains) row["gain"] = camera_gain(options, number);
-    if (const double shift = shift_of(options, number++); shift != 0) {
+    const double frame = double(options.fps.denominator) / options.fps.numerator;
+    if (const double shift = shift_of(options, number); shift != 0) {
       row["shift_frames"] = shift;  // frame k shows instant k + shift
-      row["shift_seconds"] = shift * options.fps.denominator / options.fps.numerator;
+      row["shift_seconds"] = shift * frame;
     }
+    if (const double readout = readout_of(options, number); readout != 0)
+      row["readout_seconds"] = readout * frame;
+    ++number;
     if (view.split.empty()) row["boxes"] = boxes_json(view);
     list.push_back(std::move(row));
   }
@@ -106,6 +111,10 @@ double world_time(const SynthOptions& options, double frame) {
 
 double shift_of(const SynthOptions& options, int camera) {
   return size_t(camera) < options.shifts.size() ? options.shifts[size_t(camera)] : 0;
+}
+
+double readout_of(const SynthOptions& options, int camera) {
+  return size_t(camera) < options.readouts.size() ? options.readouts[size_t(camera)] : 0;
 }
 
 double seconds(const SynthOptions& options, double normalised) {

@@ -41,6 +41,8 @@ inline bool has_moving_region(const SynthOptions& options) {
 }
 /// Frames by which that camera records later than its timestamps.
 double shift_of(const SynthOptions& options, int camera);
+/// Frames by which its bottom row is exposed later than its top one.
+double readout_of(const SynthOptions& options, int camera);
 /// Normalised time to seconds from the first frame.
 double seconds(const SynthOptions& options, double normalised);
 

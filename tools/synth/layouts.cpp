@@ -60,6 +60,9 @@ void film(const CaptureJob& job, int number, TrueView& view, const StaticLayer& 
   const SynthOptions& options = job.options;
   VideoEncoder encoder(job.folder / (view.name + ".mp4"),
                        {options.width, options.height, options.fps, options.video_quality});
+  Camera camera = view.camera;
+  const double readout = readout_of(options, number);
+  camera.readout = std::copysign(world_time(options, readout), readout);
   const std::vector<uint8_t> region = moving_region(job, number, view.camera, layer);
   for (const Solid& solid : job.world.solids)
     if (solid.moves) view.boxes[solid.name].resize(size_t(options.frames));
@@ -71,8 +74,7 @@ void film(const CaptureJob& job, int number, TrueView& view, const StaticLayer& 
     std::vector<Image8> masks, moving;
     for (int frame = first; frame < std::min(first + kFramesAtOnce, options.frames); ++frame) {
       const double instant = frame + shift_of(options, number);
-      const RenderedImage image =
-          render(job.world, view.camera, world_time(options, instant), layer);
+      const RenderedImage image = render(job.world, camera, world_time(options, instant), layer);
       encoder.add(expose(image, options, 3, number, frame));
       masks.push_back(mask_image(image));
       for (const auto& [name, box] : image.boxes) view.boxes[name][size_t(frame)] = box;

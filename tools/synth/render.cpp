@@ -34,8 +34,15 @@ struct Movers {
   std::vector<PixelBox> bounds;
 };
 
+Movers movers_at(const World& world, const Camera& camera, double time) {
+  Movers movers{place(world, Part::kMoving, time), {}};
+  for (const PlacedSolid& placed : movers.placed)
+    movers.bounds.push_back(screen_bounds(camera, placed));
+  return movers;
+}
+
 /// Samples of one pixel summed up; how many of them met a mover. The pixel joins the boxes of the
-/// movers that it shows; `boxes`: one a mover.
+/// movers that it shows; `boxes`: one a solid.
 int add_samples(const World& world, const Camera& camera, const StaticLayer& layer,
                 const Movers& movers, int x, int y, glm::vec4& sum, PixelBox* boxes) {
   int changed = 0;
@@ -55,7 +62,7 @@ int add_samples(const World& world, const Camera& camera, const StaticLayer& lay
         if (movers.bounds[i].contains(x, y)) cast(ray, movers.placed[i], meeting);
       if (meeting.placed != nullptr) {
         value = glm::vec4(shade(world.light, ray, meeting, {}), 1);
-        boxes[meeting.placed - movers.placed.data()].include({x, y, x + 1, y + 1});
+        boxes[meeting.placed->solid - world.solids.data()].include({x, y, x + 1, y + 1});
         ++changed;
       }
     }
@@ -114,33 +121,35 @@ StaticLayer render_static(const World& world, const Camera& camera, int grid) {
 
 RenderedImage render(const World& world, const Camera& camera, double time,
                      const StaticLayer& layer) {
-  Movers movers{place(world, Part::kMoving, time), {}};
-  for (const PlacedSolid& placed : movers.placed)
-    movers.bounds.push_back(screen_bounds(camera, placed));
+  const Movers at_time = movers_at(world, camera, time);
   const size_t pixels = size_t(camera.width) * size_t(camera.height);
   RenderedImage image{camera.width, camera.height, std::vector<float>(4 * pixels),
                       std::vector<uint8_t>(pixels), std::vector<float>(pixels)};
-  const float share = 1.f / float(layer.grid * layer.grid);
-  const size_t count = movers.placed.size();
-  std::vector<PixelBox> boxes(size_t(camera.height) * count);  // of each image row and mover
+  const float of_sample = 1.f / float(layer.grid * layer.grid);
+  const size_t count = world.solids.size();
+  std::vector<PixelBox> boxes(size_t(camera.height) * count);  // of each image row and solid
   parallel_for(camera.height, kRows, [&](int64_t begin, int64_t end) {
-    for (int64_t y = begin; y < end; ++y)
+    for (int64_t y = begin; y < end; ++y) {
+      const double share = (double(y) + 0.5) / camera.height - 0.5;
+      const Movers movers =
+          camera.readout == 0 ? at_time : movers_at(world, camera, time + camera.readout * share);
       for (int x = 0; x < camera.width; ++x) {
         const size_t pixel = size_t(y) * size_t(camera.width) + size_t(x);
         glm::vec4 sum(0);
         const int changed = add_samples(world, camera, layer, movers, x, int(y), sum,
                                         boxes.data() + size_t(y) * count);
         if (changed > 0) image.mask[pixel] = 255;
-        image.moving_share[pixel] = float(changed) * share;
+        image.moving_share[pixel] = float(changed) * of_sample;
         if (sum.a > 0) {
           const glm::vec3 straight = glm::vec3(sum) / sum.a;
           for (int k = 0; k < 3; ++k) image.rgba[4 * pixel + size_t(k)] = straight[k];
         }
-        image.rgba[4 * pixel + 3] = sum.a * share;
+        image.rgba[4 * pixel + 3] = sum.a * of_sample;
       }
+    }
   });
   for (size_t i = 0; i < boxes.size(); ++i)
-    if (!boxes[i].empty()) image.boxes[movers.placed[i % count].solid->name].include(boxes[i]);
+    if (!boxes[i].empty()) image.boxes[world.solids[i % count].name].include(boxes[i]);
   return image;
 }
 

@@ -74,7 +74,7 @@ struct StaticLayer {
 Ray pixel_ray(const Camera& camera, double x, double y);
 
 StaticLayer render_static(const World& world, const Camera& camera, int grid);
-/// The whole image at `time` (normalised).
+/// The whole image at `time` (normalised), each row at its own where the camera has a readout.
 RenderedImage render(const World& world, const Camera& camera, double time,
                      const StaticLayer& layer);
 /// Both steps, for a camera that is used once.

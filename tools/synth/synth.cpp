@@ -48,22 +48,25 @@ void check_range(const char* name, double value, double least, double most) {
       fmt::format("synth: {} is {}; give a value from {} to {}", name, value, least, most));
 }
 
-/// A shifted camera's frames lie within a clip's length of the clip, where the motion is defined.
-void check_shifts(const SynthOptions& options) {
-  if (options.shifts.empty()) return;
+/// Values by camera of an option. A camera's frames lie within a clip's length of the clip, where
+/// the motion is defined.
+void check_frames(const SynthOptions& options, const char* name,
+                  const std::vector<double>& frames) {
+  if (frames.empty()) return;
   if (options.layout == SynthLayout::kDnerf)
     throw InputError(
-        "synth: the layout dnerf has one camera, so no clock to shift; leave out --shift or use "
-        "the layout n3dv or videos");
-  if (options.shifts.size() > size_t(options.cameras))
+        fmt::format("synth: the layout dnerf has one camera, whose images have one time each; "
+                    "leave out --{} or use the layout n3dv or videos",
+                    name));
+  if (frames.size() > size_t(options.cameras))
     throw InputError(
-        fmt::format("synth: --shift names cam{:02}, but the cameras are cam00 to "
+        fmt::format("synth: --{} names cam{:02}, but the cameras are cam00 to "
                     "cam{:02}; name one of these or raise --cameras",
-                    options.shifts.size() - 1, options.cameras - 1));
-  for (const double shift : options.shifts)
-    if (!(std::abs(shift) < std::max(1, options.frames - 1)))
-      throw InputError(fmt::format("synth: a shift is {} frames; give less than the clip's {}",
-                                   shift, options.frames - 1));
+                    name, frames.size() - 1, options.cameras - 1));
+  for (const double value : frames)
+    if (!(std::abs(value) < std::max(1, options.frames - 1)))
+      throw InputError(fmt::format("synth: a {} is {} frames; give less than the clip's {}", name,
+                                   value, options.frames - 1));
 }
 
 /// The light and the gains of cameras are those of a rig.
@@ -175,7 +178,8 @@ SynthOptions resolve_synth_options(const SynthOptions& options) {
   check_range("noise_sigma", full.noise_sigma, 0, 64);
   check_range("exposure_wobble", full.exposure_wobble, 0, 0.5);
   check_range("points", full.points, 0, 1e7);
-  check_shifts(full);
+  check_frames(full, "shift", full.shifts);
+  check_frames(full, "readout", full.readouts);
   check_light_and_gains(full);
   resolve_moving_share(full);
   if (full.held_out_frames == 0) full.held_out_frames = std::max(4, full.frames / 5);

@@ -62,6 +62,8 @@ struct SynthOptions {
   int points = 20000;          // size of ground_truth/points.ply
   std::vector<double> shifts;  // n3dv, videos, frames by camera number, 0 for those not listed:
                                // frame k of the camera shows instant k + shift
+  std::vector<double> readouts;  // n3dv, videos, frames by camera number, likewise: by how much
+                                 // later the bottom row is exposed than the top one
 };
 
 inline constexpr double kLeastMovingShare = 0.005, kMostMovingShare = 0.3;

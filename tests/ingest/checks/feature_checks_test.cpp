@@ -11,7 +11,7 @@
 #include "ingest/checks/exposure.h"
 #include "ingest/checks/feature_matches.h"
 #include "ingest/checks/sharpness.h"
-#include "ingest/checks/thinned_scene.h"
+#include "ingest/derived/thinned_scene.h"
 #include "ingest/ingest.h"
 #include "tests/ingest/layouts/textured_rig.h"
 #include "tests/support/data_folder.h"

@@ -9,8 +9,8 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "ingest/checks/thinned_scene.h"
 #include "ingest/colmap/colmap_records.h"
+#include "ingest/derived/thinned_scene.h"
 #include "ingest/files/npy.h"
 #include "ingest/files/png.h"
 #include "ingest/ingest.h"

@@ -225,6 +225,29 @@ TEST(Scene, AWindowIsAClipOfItsOwn) {
   expect_input_error([&] { load_scene(folder.path(), options); }, {"one timestep"});
 }
 
+// A readout is stated in seconds, and a view has it as a share of the clip. Bugs put back, each
+// seen to fail: the seconds taken for the share; a window with the share of the whole clip.
+TEST(Scene, ReadoutsKeepTheirSeconds) {
+  const TemporaryFolder folder;
+  SmallCapture capture;
+  capture.train = 31;
+  capture.test = 0;
+  capture.time = [](double t) { return 100 + 3 * t; };
+  write_dnerf(folder.path(), capture);
+  edit_json(folder / "transforms_train.json", [](json& file) {
+    file["rolling_shutter"] = -0.01;
+    file["frames"][0]["readout"] = 0.02;
+  });
+  const Scene whole = load_scene(folder.path(), {});
+  EXPECT_NEAR(whole.frames[0].camera.readout * whole.time_axis.duration, 0.02, 1e-12);
+  EXPECT_NEAR(whole.frames[1].camera.readout * whole.time_axis.duration, -0.01, 1e-12);
+  SceneOptions options;
+  options.window = Window{0, 2};
+  const Scene part = load_scene(folder.path(), options);
+  EXPECT_LT(part.time_axis.duration, 0.75 * whole.time_axis.duration);
+  EXPECT_NEAR(part.frames[0].camera.readout * part.time_axis.duration, 0.02, 1e-12);
+}
+
 // Bugs put back, each seen to fail: the error of the last bad frame reported (not the first);
 // require_image() returning the stated path without looking.
 TEST(BadScene, ImagesThatAreMissingOrDamagedAreNamed) {

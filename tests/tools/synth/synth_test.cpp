@@ -249,5 +249,28 @@ TEST(SynthRender, RoomHasManyCornersToMatch) {
   }
 }
 
+// Bugs put back, each seen to fail: rows counted from the top one; the time of the middle row for
+// all of a block of rows.
+TEST(SynthRender, ARollingShutterShowsEachRowAtItsTime) {
+  const World world = build_world(SynthScene::kFast, 1, 0);
+  Camera camera = room_camera(0);
+  const StaticLayer layer = render_static(world, camera, 1);
+  const RenderedImage global = render(world, camera, 0.4, layer);
+  camera.readout = 0.3;
+  const RenderedImage rolling = render(world, camera, 0.4, layer);
+  camera.readout = 0;
+  const size_t row = 4 * size_t(camera.width);
+  for (const int y : {0, 13, 45, 62, 89}) {
+    const double time = 0.4 + 0.3 * ((y + 0.5) / camera.height - 0.5);
+    const RenderedImage expected = render(world, camera, time, layer);
+    const auto from = std::ptrdiff_t(size_t(y) * row);
+    EXPECT_TRUE(std::equal(expected.rgba.begin() + from,
+                           expected.rgba.begin() + from + std::ptrdiff_t(row),
+                           rolling.rgba.begin() + from))
+        << y;
+  }
+  EXPECT_NE(global.rgba, rolling.rgba);
+}
+
 }  // namespace
 }  // namespace tessera::synth

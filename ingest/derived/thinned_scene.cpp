@@ -1,5 +1,5 @@
 // Chooses the frames and loads their pixels.
-#include "ingest/checks/thinned_scene.h"
+#include "ingest/derived/thinned_scene.h"
 
 #include <algorithm>
 #include <iterator>
