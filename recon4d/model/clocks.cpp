@@ -29,6 +29,7 @@ double frame_step(const Scene& scene, const std::vector<int>& frames) {
 ClockRows clock_rows(const Scene& scene, const std::vector<int>& frames,
                      const TrainOptions& options) {
   ClockRows rows;
+  check(options.clocks != Clocks::kAuto, "clock_rows: auto is not resolved");
   if (options.clocks == Clocks::kFixed) return rows;
   std::map<std::string, int32_t> row_of;  // rows are in the order of names
   for (const int f : frames) row_of[scene.frames[size_t(f)].camera_name] = 0;

@@ -18,7 +18,8 @@ inline constexpr int64_t kTrialIterations = 2000, kTrialBatch = 4, kTrialPixels 
 enum class Filter3d { kNone, kMip, kClamp };
 /// kAuto is decided before a training starts: kCamera where the cameras differ, else kNone.
 enum class ExposureGains { kNone, kCamera, kAffine, kFrame, kAuto };
-enum class Clocks { kFixed, kLearn };
+/// kAuto is decided before a training starts: kLearn where they were measured.
+enum class Clocks { kFixed, kLearn, kAuto };
 enum class Densification { kAdc, kBudget, kMcmc };
 /// A part of Densification::kBudget.
 enum class GrowthPart { kNone, kLongAxisSplit, kGrowthBudget, kWeightedDraw, kAbsoluteGradient };
@@ -32,7 +33,7 @@ template <>
 inline constexpr const char* kEnumNames<ExposureGains>[] = {"none", "camera", "affine", "frame",
                                                             "auto"};
 template <>
-inline constexpr const char* kEnumNames<Clocks>[] = {"fixed", "learn"};
+inline constexpr const char* kEnumNames<Clocks>[] = {"fixed", "learn", "auto"};
 template <>
 inline constexpr const char* kEnumNames<IdleUpdate>[] = {"dense", "skip"};
 template <>

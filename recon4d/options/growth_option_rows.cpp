@@ -45,6 +45,10 @@ void OptionRows::add_growth() {
          "less; 0: keep them");
   number("unseen_interval", &O::unseen_interval, kPositiveSteps, "ours",
          "Steps between two removals of Gaussians with too small a blending weight");
+  number(
+      "clear_distance", &O::clear_distance, {-1, 1e9, Unit::kWorld}, "ours",
+      "Remove Gaussians in the view of a training camera that are nearer to it; 0: keep them; -1: "
+      "four fifths of the depth at which the cameras see the first points of the initial cloud");
   number("reorder_interval", &O::reorder_interval, kSteps, "[Faster-GS]",
          "Steps between two Morton reorderings while density control is on; 0: never");
 

@@ -27,8 +27,9 @@ void OptionRows::add_optimisation() {
 
   choice<&O::clocks>(
       "clocks", "ours",
-      "Clocks of the training cameras: fixed (as the scene states them) or learn (an "
-      "offset each, up to a frame). Scores and exports use the mean clock");
+      "Clocks of the training cameras: fixed (as the scene states them), learn (an offset each, up "
+      "to a frame) or auto (learn where motion or sound moved one). Scores and exports use the "
+      "mean clock");
 
   group("Optimiser");
   number("lr_exposure", &O::lr_exposure, kRate, "ours",

@@ -68,7 +68,8 @@ const OptionOverrides kBestStill =
 /// Several cameras that film at the same time: every timestep is seen from several sides, so
 /// dynamic Gaussians start a few frames long, and cameras may differ in colour. Gaussians between
 /// the cameras and the scene cover the views of others.
-const OptionOverrides kAnyRig = {{"exposure", "auto"}, {"near_plane", 0}, {"moving_weight", 4}};
+const OptionOverrides kAnyRig = {
+    {"exposure", "auto"}, {"clocks", "auto"}, {"near_plane", 0}, {"moving_weight", 4}};
 /// What stands still in a clip is drawn as its windows are.
 const OptionOverrides kBackground = {
     {"far_plane", 100}, {"filter_2d", true}, {"near_plane", 0}, {"exposure", "auto"}};
@@ -119,6 +120,16 @@ void fit_to_photos(TrainOptions& options, int64_t views) {
   options.scale_weight /= share;
 }
 
+/// Few cameras are soon fitted beyond what they show (research/few_cameras.md).
+void fit_to_few_cameras(TrainOptions& options, int64_t cameras) {
+  if (cameras >= kEnoughCameras) return;
+  const double few = double(kEnoughCameras - std::max(cameras, kFewCameras)) /
+                     double(kEnoughCameras - kFewCameras);
+  const double steps = std::lerp(double(kStepsPerCamera), double(kStepsPerFewCameras), few);
+  options.iterations = std::min(options.iterations, int64_t(std::lround(steps * double(cameras))));
+  options.clear_distance = -1;
+}
+
 /// The more cameras film at once, the more of them see a Gaussian: it needs fewer pixels of each
 /// and less weight against what only one of them shows (research/growth.md). In small images a
 /// gradient by NDC stays large down to a fraction of a pixel, where static Gaussians fit noise.
@@ -128,6 +139,7 @@ void fit_to_cameras(TrainOptions& options, const SceneFacts& facts) {
     lower_limit(options, facts.camera_pixels * cameras / (kFewCameras * kPixelsOfFewCameras));
   if (!facts.rig()) return;
   fit_to_sides(options, facts.cameras, kManyCameras, kStepsPerCamera);
+  fit_to_few_cameras(options, facts.cameras);
   options.opacity_weight = options.scale_weight = kRigWeight / double(facts.cameras);
   if (facts.camera_pixels > 0 && facts.views > 0)
     options.static_threshold = std::max(

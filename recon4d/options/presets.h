@@ -50,6 +50,12 @@ inline constexpr int64_t kManyViews = 90, kStepsPerView = 300;
 inline constexpr int64_t kManyCameras = 30, kStepsPerCamera = 1000;
 
 inline constexpr int64_t kFewCameras = 4, kPixelsOfFewCameras = 16;
+
+/// A rig of kFewCameras or fewer takes kStepsPerFewCameras for each of them at most, one of
+/// kEnoughCameras kStepsPerCamera, one between them in proportion. With fewer than these, what
+/// lies before a camera is fitted by the others (recon4d/density/free_space.h).
+inline constexpr int64_t kEnoughCameras = 8, kStepsPerFewCameras = 500;
+
 inline constexpr double kRigWeight = 0.1;
 /// Of an image in which densify_threshold holds for static Gaussians as it is.
 inline constexpr double kThresholdPixels = 1e6;
@@ -66,8 +72,9 @@ struct NamedOptions {
   /// Whether peak_gaussians is at most one for each kPixelsOfFewCameras pixels of kFewCameras
   /// cameras that film at once, for fewer pixels of more cameras in proportion; and of a rig,
   /// whether iterations are at most kStepsPerCamera for each camera, less than kManyCameras lower
-  /// lr_sh_rest, opacity_weight and scale_weight are kRigWeight by its cameras, and
-  /// static_threshold grows as the side of its images falls below that of kThresholdPixels.
+  /// lr_sh_rest, opacity_weight and scale_weight are kRigWeight by its cameras, static_threshold
+  /// grows as the side of its images falls below that of kThresholdPixels; with less than
+  /// kEnoughCameras it has fewer steps for each, and clear_distance.
   bool fits_to_cameras = false;
   OptionOverrides rig_overrides = {};          // over the overrides, where SceneFacts::rig()
   FrameRates rig_rates = {};                   // likewise

@@ -71,7 +71,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   double prune_opacity = 0.005, prune_extent = 0.1;
   int64_t prune_large_from = 3000, opacity_reset_interval = 0, max_gaussians = 0;
   int64_t reorder_interval = 5000;
-  double min_blending_weight = 0;
+  double min_blending_weight = 0, clear_distance = 0;
   int64_t unseen_interval = 500;
   // motion nodes, of Motion::kNodes
   int64_t motion_nodes = 0, nodes_from = 1300, node_knots = 100, node_knot_interval = 1500;

@@ -368,6 +368,7 @@ void Trainer::complete_pending() {
 void Trainer::finish() {
   forget_copies();
   take_average(state_);
+  prune_free_space();
   const bool filtered = is_filtered(state_, options_);
   for (int k = 0; k < 2; ++k) {
     if (!state_.trains(k)) continue;

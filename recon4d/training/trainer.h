@@ -89,6 +89,7 @@ class Trainer {
   void measure_filter(int k);
   void densify();
   void prune_unseen();
+  void prune_free_space();
   /// Motion nodes where they start, and more control points where these are due.
   void control_nodes();
   void step_nodes();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernels/base/seconds_since.h"
+#include "recon4d/density/free_space.h"
 #include "recon4d/density/mcmc.h"
 #include "recon4d/density/unseen.h"
 #include "recon4d/motion/nodes.h"
@@ -52,6 +53,7 @@ void Trainer::control() {
   const int degree = schedule_.sh_degree(i), time_degree = schedule_.sh_time_degree(i);
   const bool densifies = schedule_.densify(i), reorders = schedule_.reorder(i);
   if (schedule_.prune_unseen(i)) prune_unseen();  // of what the last step left
+  if (densifies) prune_free_space();
   control_nodes();
   // The copies of density control and the buffers of a step need not exist at once.
   if (densifies) release_step_buffers();
@@ -113,6 +115,17 @@ void Trainer::prune_unseen() {
     if (reports[size_t(k)].before > 0)
       observer_.on_density(state_.iteration, k == 0 ? "static" : "dynamic", reports[size_t(k)]);
   unseen_seconds_ += seconds_since(begin);
+}
+
+void Trainer::prune_free_space() {
+  // where nodes carry a Gaussian is not where it is stored
+  if (options_.clear_distance <= 0 || options_.motion == Motion::kNodes) return;
+  complete_pending();
+  const std::array<DensityReport, 2> reports =
+      tessera::prune_free_space(backend_, rig_.cameras, options_.clear_distance, state_);
+  for (int k = 0; k < 2; ++k)
+    if (reports[size_t(k)].pruned > 0)
+      observer_.on_density(state_.iteration, k == 0 ? "static" : "dynamic", reports[size_t(k)]);
 }
 
 void Trainer::control_nodes() {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "ingest/checks/cloud_health.h"
 #include "ingest/checks/colour_gains.h"
@@ -58,6 +59,7 @@ std::string scene_fingerprint(const Scene& scene) {
         fmt::format("{} {} {} {};", frame.name, frame.time, frame.image.width, frame.image.height));
     for (const double value : {camera.fl_x, camera.fl_y, camera.cx, camera.cy})
       hash.add(&value, sizeof(value));
+    if (camera.readout != 0) hash.add(&camera.readout, sizeof(camera.readout));
     hash.add(&camera.cam_from_world, sizeof(camera.cam_from_world));
     hash.add(&camera.translation, sizeof(camera.translation));
     if (frame.split == Split::kTrain || frame.split == Split::kValidation)
@@ -128,6 +130,17 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
   return scaled_scene(files.load(scene_options), options.train_scale);
 }
 
+std::string readout_warning(const Scene& scene, const TrainOptions& options) {
+  if (options.motion != Motion::kNodes ||
+      std::none_of(scene.frames.begin(), scene.frames.end(),
+                   [](const Frame& frame) { return frame.camera.readout != 0; }))
+    return "";
+  return fmt::format(
+      "{}: states readouts of rolling shutters, and motion nodes draw all rows at one time; "
+      "--motion pair draws each at its own",
+      scene.path);
+}
+
 std::vector<std::string> training_warnings(const Scene& scene, const TrainOptions& options) {
   std::vector<std::string> warnings = scene.warnings;
   const int64_t timesteps = scene.timesteps_of(Split::kTrain);
@@ -181,9 +194,27 @@ std::optional<std::string> resolve_exposure(const Scene& scene, TrainOptions& op
       known, 100 * largest);
 }
 
-std::optional<std::string> resolve_near_plane(const Scene& scene, TrainOptions& options) {
+std::optional<std::string> resolve_clocks(const Scene& scene, TrainOptions& options) {
+  if (options.clocks != Clocks::kAuto) return std::nullopt;
+  options.clocks = Clocks::kFixed;
+  if (options.motion == Motion::kNodes || options.validation_share > 0) return std::nullopt;
+  std::set<std::string> training;
+  for (const int i : scene.split_indices(Split::kTrain))
+    training.insert(scene.frames[size_t(i)].camera_name);
+  const auto measured = std::count_if(training.begin(), training.end(), [&](const auto& camera) {
+    return scene.measured_clocks.contains(camera);
+  });
+  if (measured == 0 || training.size() < 2) return std::nullopt;
+  options.clocks = Clocks::kLearn;
+  return fmt::format(
+      "clocks: motion or sound moved those of {} of {} cameras, so a rest of each is learned; "
+      "--clocks fixed turns this off",
+      measured, training.size());
+}
+
+std::optional<std::string> resolve_near_plane(const std::optional<double>& nearest,
+                                              TrainOptions& options) {
   if (options.near_plane > 0) return std::nullopt;
-  const std::optional<double> nearest = nearest_depth(scene);
   options.near_plane = nearest ? *nearest / 2 : TrainOptions().near_plane;
   if (!nearest)
     return fmt::format("near plane: no camera sees enough points to measure it, so it is {:g}",
@@ -192,6 +223,19 @@ std::optional<std::string> resolve_near_plane(const Scene& scene, TrainOptions& 
       "near plane: the points nearest to the cameras are at a depth of {:.3g}, so Gaussians nearer "
       "than {:.3g} are not drawn; --near-plane {:g} is the fixed distance of 3DGS",
       *nearest, options.near_plane, TrainOptions().near_plane);
+}
+
+std::optional<std::string> resolve_clear_distance(const std::optional<double>& nearest,
+                                                  TrainOptions& options) {
+  constexpr double kShare = 0.8;
+  if (options.clear_distance >= 0) return std::nullopt;
+  options.clear_distance = 0;
+  if (!nearest) return std::nullopt;
+  options.clear_distance = kShare * *nearest;
+  return fmt::format(
+      "clear distance: Gaussians in the view of a training camera nearer than {:.3g} are removed; "
+      "--clear-distance 0 keeps them",
+      options.clear_distance);
 }
 
 std::optional<std::string> resolve_budget(const Scene& scene, TrainOptions& options) {
@@ -226,8 +270,12 @@ std::string said_of_nodes(const MotionTrial& trial) {
 
 std::vector<std::string> resolve_by_cloud(const Scene& scene, TrainOptions& options) {
   std::vector<std::string> lines;
-  for (const auto& line : {resolve_near_plane(scene, options), resolve_exposure(scene, options),
-                           resolve_noise(scene, options), resolve_budget(scene, options)})
+  std::optional<double> nearest;
+  if (options.near_plane <= 0 || options.clear_distance < 0) nearest = nearest_depth(scene);
+  for (const auto& line :
+       {resolve_near_plane(nearest, options), resolve_clear_distance(nearest, options),
+        resolve_exposure(scene, options), resolve_clocks(scene, options),
+        resolve_noise(scene, options), resolve_budget(scene, options)})
     if (line) lines.push_back(*line);
   return lines;
 }
@@ -246,6 +294,7 @@ bool resolve_motion(Backend& backend, const Scene& scene,
   nodes.motion = Motion::kNodes;
   nodes.exposure = options.exposure;
   nodes.near_plane = options.near_plane;
+  nodes.clocks = Clocks::kFixed;
   nodes.validation_share = options.validation_share;
   limit_by_shown_pixels(scene, nodes);
   say("motion: short trainings say whether motion nodes or dynamic Gaussians show more");

@@ -21,6 +21,9 @@ namespace tessera {
 Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options,
                           const std::optional<Window>& window = {}, bool held_out = true);
 
+/// Of motion nodes where cameras have a rolling shutter; else "".
+std::string readout_warning(const Scene& scene, const TrainOptions& options);
+
 /// What a user of these options on this scene may not expect, one line each; with what the scene
 /// itself warns of.
 std::vector<std::string> training_warnings(const Scene& scene, const TrainOptions& options);

@@ -168,6 +168,7 @@ void complete_setup(TrainingSetup& setup, const TrainRequest& request, const Run
     if (setup.choice.leaves_cuda_unused()) observer.on_cuda_unused(setup.choice.reason);
     if (!setup.previous || options.motion == Motion::kAuto)
       complete_by_images(setup, request, kShareOfMotion * seconds, wall, observer, warn);
+    if (const std::string line = readout_warning(setup.scene, options); !line.empty()) warn(line);
     setup.config =
         make_config(request, {options, setup.with_nodes}, setup.scene, setup.backend->name());
     setup.config["scene_fingerprint"] = fingerprint;

@@ -205,6 +205,27 @@ TEST(RigPresets, ExtentsAndRatesFollowTheFrameRate) {
   }
 }
 
+// Bugs put back, each seen to fail: as many steps for each of four cameras as of eight; space
+// cleared with eight.
+TEST(RigPresets, FewCamerasTakeFewerStepsAndClearTheSpaceBeforeThem) {
+  const auto options_of = [](const char* preset, int64_t cameras) {
+    TrainOptions options;
+    apply_preset(options, preset, {.cameras = cameras, .timesteps = 31, .extent = 2});
+    return options;
+  };
+  for (const char* preset : {"balanced", "best"}) {
+    EXPECT_EQ(options_of(preset, 3).iterations, 1500) << preset;
+    EXPECT_EQ(options_of(preset, 4).iterations, 2000) << preset;
+    EXPECT_EQ(options_of(preset, 6).iterations, 4500) << preset;
+    EXPECT_EQ(options_of(preset, 4).clear_distance, -1) << preset << ": from the cloud";
+    EXPECT_EQ(options_of(preset, 7).clear_distance, -1) << preset;
+    EXPECT_EQ(options_of(preset, 8).clear_distance, 0) << preset;
+  }
+  EXPECT_EQ(options_of("balanced", 8).iterations, 7000);
+  EXPECT_EQ(options_of("best", 8).iterations, 8000);
+  EXPECT_EQ(options_of("fast", 4).iterations, 2000);
+}
+
 // Images may be shown larger than those of the training (research/growth.md). Bugs put back: no
 // filter with `fast`, none of photos; what is missed spawned of photos and of one camera; each seen
 // to fail.

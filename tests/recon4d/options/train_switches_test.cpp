@@ -50,6 +50,7 @@ const std::vector<Alternative>& alternatives() {
       {"motion", "velocity"},
       {"background", "white"},
       {"near_plane", 3.9},
+      {"clear_distance", 3.9},
       {"far_plane", 4.1},
       {"init_points", 50},
       {"init_extent", 0},
