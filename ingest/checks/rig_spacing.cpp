@@ -18,7 +18,7 @@ struct Expected {
   const char* psnr;
 };
 constexpr Expected kExpected[] = {
-    {3, Severity::kWarning, "below 22 dB"},
+    {3, Severity::kWarning, "less than 22 dB"},
     {4, Severity::kWarning, "about 21 to 25 dB"},
     {5, Severity::kWarning, "about 23 to 28 dB"},
     {7, Severity::kInfo, "about 25 to 31 dB"},

@@ -2,6 +2,8 @@
 // shown upright.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "ingest/steps/steps.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"

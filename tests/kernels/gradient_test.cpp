@@ -163,8 +163,7 @@ TEST(Gradient, WithATimeFilterEqualsDifferences) {
 }
 
 // The row of a Gaussian is a constant of its gradient: rows shift by what it moves during the
-// readout, a hundredth of the image here. Bugs put back, each seen to fail: rows counted from the
-// top one; the time of the view in the backward pass.
+// readout, a hundredth of the image here.
 TEST(Gradient, WithARollingShutterEqualsDifferences) {
   for (const SetForm form : kDynamicForms) {
     TestScene<double> scene = random_scene(2, 5, 0.2, 19, form);

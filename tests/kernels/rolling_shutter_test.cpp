@@ -47,8 +47,6 @@ double mean_difference(const std::vector<double>& a, const std::vector<double>& 
   return sum / double(a.size());
 }
 
-// Bugs put back, each seen to fail: the readout's sign turned; rows counted from the top one, not
-// the middle one; no second slice.
 TEST(RollingShutter, EachRowIsThatOfItsTime) {
   for (const SetForm form : kDynamicForms) {
     TestScene<double> scene = moving_scene(form);

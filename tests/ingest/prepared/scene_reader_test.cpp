@@ -225,8 +225,8 @@ TEST(Scene, AWindowIsAClipOfItsOwn) {
   expect_input_error([&] { load_scene(folder.path(), options); }, {"one timestep"});
 }
 
-// A readout is stated in seconds, and a view has it as a share of the clip. Bugs put back, each
-// seen to fail: the seconds taken for the share; a window with the share of the whole clip.
+// A readout is stated in seconds, and a view has it as a share of the clip. Bug put back: a window
+// with the share of the whole clip; seen to fail.
 TEST(Scene, ReadoutsKeepTheirSeconds) {
   const TemporaryFolder folder;
   SmallCapture capture;

@@ -93,7 +93,9 @@ TEST(ParameterAverage, ResumesAtEachPlaceOfEachPreset) {
       options.densify_interval = 7;
       options.sweep = false;
       if (options.exposure == ExposureGains::kAuto) options.exposure = ExposureGains::kCamera;
+      if (options.clocks == Clocks::kAuto) options.clocks = Clocks::kLearn;
       if (options.near_plane == 0) options.near_plane = 0.1;
+      if (options.clear_distance < 0) options.clear_distance = 0.5;
       Training whole(*scene, options);
       whole.run();
       const bool averages = options.average_from > 0;

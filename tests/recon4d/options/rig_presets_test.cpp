@@ -205,8 +205,7 @@ TEST(RigPresets, ExtentsAndRatesFollowTheFrameRate) {
   }
 }
 
-// Bugs put back, each seen to fail: as many steps for each of four cameras as of eight; space
-// cleared with eight.
+// Bug put back: space cleared with eight, and more steps for each; seen to fail.
 TEST(RigPresets, FewCamerasTakeFewerStepsAndClearTheSpaceBeforeThem) {
   const auto options_of = [](const char* preset, int64_t cameras) {
     TrainOptions options;

@@ -56,8 +56,6 @@ json small_rig(const CliWorkspace& work, const std::vector<std::string>& more) {
   return work.run_json(ingest);
 }
 
-// Bugs put back, each seen to fail: milliseconds taken for seconds; a camera's own readout replaced
-// by that of all others; a name that is no camera taken.
 TEST(CliRig, ReadoutsAreStatedForAllCamerasOrSome) {
   const CliWorkspace work;
   small_rig(work, {"--readout", "-8ms,cam01=0.016"});
@@ -78,7 +76,6 @@ TEST(CliRig, ReadoutsAreStatedForAllCamerasOrSome) {
   expect_refused("16", "give a time up to a second like 16ms");
 }
 
-// Bug put back: stated offsets taken for measured ones; seen to fail.
 TEST(CliRig, ClocksThatWereMeasuredAreLearnt) {
   const CliWorkspace work;
   small_rig(work, {});

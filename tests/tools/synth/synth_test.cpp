@@ -249,8 +249,7 @@ TEST(SynthRender, RoomHasManyCornersToMatch) {
   }
 }
 
-// Bugs put back, each seen to fail: rows counted from the top one; the time of the middle row for
-// all of a block of rows.
+// Bug put back: rows counted from the top one; seen to fail.
 TEST(SynthRender, ARollingShutterShowsEachRowAtItsTime) {
   const World world = build_world(SynthScene::kFast, 1, 0);
   Camera camera = room_camera(0);
