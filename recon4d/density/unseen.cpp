@@ -54,31 +54,35 @@ Buffer<float> largest_weights(Backend& backend, Pipeline<float>& pipeline,
   return largest;
 }
 
+std::array<DensityReport, 2> prune_where_not(Backend& backend, TrainState& state,
+                                             const std::function<bool(int, int64_t)>& keeps) {
+  const StageTimer timer(backend.clock(), kDensity);
+  std::array<DensityReport, 2> reports;
+  for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = state.set(k);
+    DensityReport& report = reports[size_t(k)];
+    report.before = report.after = set.count();
+    if (!state.trains(k)) continue;
+    std::vector<int64_t> kept;
+    for (int64_t n = 0; n < report.before; ++n)
+      if (keeps(k, n)) kept.push_back(n);
+    report.after = int64_t(kept.size());
+    report.pruned = report.before - report.after;
+    if (report.pruned > 0) keep_elements(backend, kept, set, state.statistics[k]);
+  }
+  return reports;
+}
+
 std::array<DensityReport, 2> prune_unseen(Backend& backend, const Buffer<float>& largest,
                                           double least, TrainState& state) {
   check(largest.size() == state.model.count(), "prune_unseen: one weight a Gaussian");
   Buffer<float> weights;  // on the host
   weights.copy_from(largest);
-  const StageTimer timer(backend.clock(), kDensity);
-  std::array<DensityReport, 2> reports;
-  int64_t first = 0;
-  for (int k = 0; k < 2; ++k) {
-    GaussianSet& set = state.set(k);
-    DensityReport& report = reports[size_t(k)];
-    report.before = report.after = set.count();
-    if (!state.trains(k)) {
-      first += report.before;
-      continue;
-    }
-    std::vector<int64_t> seen;
-    for (int64_t n = 0; n < report.before; ++n)
-      if (weights[first + n] < 0 || double(weights[first + n]) >= least) seen.push_back(n);
-    first += report.before;
-    report.after = int64_t(seen.size());
-    report.pruned = report.before - report.after;
-    if (report.pruned > 0) keep_elements(backend, seen, set, state.statistics[k]);
-  }
-  return reports;
+  const int64_t fixed = state.set(0).count();
+  return prune_where_not(backend, state, [&](int k, int64_t n) {
+    const float weight = weights[k == 0 ? n : fixed + n];
+    return weight < 0 || double(weight) >= least;
+  });
 }
 
 }  // namespace tessera

@@ -3,6 +3,7 @@
 // appear from other directions, where no image constrains them.
 #pragma once
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "kernels/pipeline.h"
@@ -29,6 +30,11 @@ SampledViews views_of_training(const Scene& scene, int64_t enough, int64_t turn 
 Buffer<float> largest_weights(Backend& backend, Pipeline<float>& pipeline,
                               ForwardArgs<float> forward, const SampledViews& sampled,
                               int64_t batch);
+
+/// Removes the Gaussians for which `keeps(set, element)` is false from those sets of the state that
+/// are trained.
+std::array<DensityReport, 2> prune_where_not(Backend& backend, TrainState& state,
+                                             const std::function<bool(int, int64_t)>& keeps);
 
 /// Removes the Gaussians whose largest weight is below `least`, from both sets of the state.
 /// `largest`: [N] static set first; a Gaussian of which it is not known stays.

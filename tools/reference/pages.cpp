@@ -174,8 +174,7 @@ std::string presets_page() {
           "\nFor N training cameras that film at once: during growth at most one Gaussian per {}/N "
           "of their pixels, {} for {} or fewer. Of a rig: at most {} steps for each camera; with "
           "less than {} cameras fewer, down to {} with {}, and `--clear-distance -1`; with less "
-          "than "
-          "{} cameras `--lr-sh-rest` is lower in proportion; `--opacity-weight` and "
+          "than {} cameras `--lr-sh-rest` is lower in proportion; `--opacity-weight` and "
           "`--scale-weight` {:g}/N; with images of less than {:g} pixels `--static-threshold` is "
           "higher as their sides are shorter.\n",
           kFewCameras * kPixelsOfFewCameras, kPixelsOfFewCameras, kFewCameras, kStepsPerCamera,

@@ -177,15 +177,20 @@ TEST(Scene, FewHeldOutFramesKeepTheirTimes) {
   EXPECT_EQ(load_scene(folder.path(), {.held_out = 20}).frames.size(), 9u);
 }
 
-// Bugs put back, each seen to fail: times of the whole clip; numbers of timesteps of the whole
-// clip; the axis of the whole clip; points of other times; a sweep's cloud of the whole clip.
-TEST(Scene, AWindowIsAClipOfItsOwn) {
-  const TemporaryFolder folder;
+/// A clip of 31 timesteps from 100 to 103 seconds.
+void write_clip(const std::filesystem::path& folder) {
   SmallCapture capture;
   capture.train = 31;
   capture.test = 0;
   capture.time = [](double t) { return 100 + 3 * t; };
-  write_dnerf(folder.path(), capture);
+  write_dnerf(folder, capture);
+}
+
+// Bugs put back, each seen to fail: times of the whole clip; numbers of timesteps of the whole
+// clip; the axis of the whole clip; points of other times; a sweep's cloud of the whole clip.
+TEST(Scene, AWindowIsAClipOfItsOwn) {
+  const TemporaryFolder folder;
+  write_clip(folder.path());
   PointCloud points;
   points.position = {{0, 0, 1}, {0, 0, 2}, {0, 0, 3}, {0, 0, 4}};
   points.colour.resize(4);
@@ -229,11 +234,7 @@ TEST(Scene, AWindowIsAClipOfItsOwn) {
 // with the share of the whole clip; seen to fail.
 TEST(Scene, ReadoutsKeepTheirSeconds) {
   const TemporaryFolder folder;
-  SmallCapture capture;
-  capture.train = 31;
-  capture.test = 0;
-  capture.time = [](double t) { return 100 + 3 * t; };
-  write_dnerf(folder.path(), capture);
+  write_clip(folder.path());
   edit_json(folder / "transforms_train.json", [](json& file) {
     file["rolling_shutter"] = -0.01;
     file["frames"][0]["readout"] = 0.02;
