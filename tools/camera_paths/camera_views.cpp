@@ -26,14 +26,27 @@ double model_time(const GaussianModel& model, const TimeAxis& axis, double time)
   return (axis.origin + time * axis.duration - model_axis.origin) / model_axis.duration;
 }
 
+/// A duration of `axis` in the model's time.
+double model_duration(const GaussianModel& model, const TimeAxis& axis, double duration) {
+  const double length = model.time_axis.duration;
+  return axis.duration == length ? duration : duration * axis.duration / length;
+}
+
 /// A camera of a file into the model's world. A prepared scene states how its world comes from the
 /// source's (`prepared_from_source`); any other file is in the source's world: the identity.
 Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
-                    Camera camera) {
-  camera.readout = 0;  // what is shown is one instant
+                    const Camera& camera) {
   if (prepared_from_source == model.prepared_from_source) return camera;
   return camera_in_world(compose(model.prepared_from_source, inverse(prepared_from_source)),
                          camera);
+}
+
+/// The same for images that are shown: of one instant, whatever the shutter.
+Camera shown_camera(const GaussianModel& model, const Similarity& prepared_from_source,
+                    const Camera& camera) {
+  Camera shown = model_camera(model, prepared_from_source, camera);
+  shown.readout = 0;
+  return shown;
 }
 
 std::vector<NamedView> views_of_scene(const CameraChoice& choice, const GaussianModel& model) {
@@ -43,7 +56,7 @@ std::vector<NamedView> views_of_scene(const CameraChoice& choice, const Gaussian
     if (!choice.split.empty() && frame.split != parse_split(choice.split)) continue;
     const double time = choice.time.value_or(model_time(model, scene.time_axis, frame.time));
     views.push_back(
-        {frame.name, {model_camera(model, scene.prepared_from_source, frame.camera), time}});
+        {frame.name, {shown_camera(model, scene.prepared_from_source, frame.camera), time}});
   }
   return views;
 }
@@ -130,7 +143,7 @@ std::vector<KeyFrame> read_key_frames(const fs::path& file, const std::string& s
     const Image8 size = size_of(frame, file.parent_path());
     set_intrinsics(camera, frame.intrinsics, size.width, size.height, frame.where);
     KeyFrame key{
-        frame.name, frame.where, model_camera(model, path.prepared_from_source, camera), {}};
+        frame.name, frame.where, shown_camera(model, path.prepared_from_source, camera), {}};
     // A prepared scene states normalised times, any other file those of the capture's own clock.
     if (frame.time)
       key.time = model_time(model, path.prepared_axis.value_or(TimeAxis{}), *frame.time);
@@ -155,6 +168,7 @@ Scene scene_for(const GaussianModel& model, const fs::path& model_path, const fs
   for (Frame& frame : scene.frames) {
     frame.time = model_time(model, scene.time_axis, frame.time);
     frame.camera = model_camera(model, scene.prepared_from_source, frame.camera);
+    frame.camera.readout = model_duration(model, scene.time_axis, frame.camera.readout);
   }
   return scene;
 }

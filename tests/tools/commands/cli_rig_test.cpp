@@ -56,6 +56,7 @@ json small_rig(const CliWorkspace& work, const std::vector<std::string>& more) {
   return work.run_json(ingest);
 }
 
+// Bug put back: what is stated of all cameras took precedence; seen to fail.
 TEST(CliRig, ReadoutsAreStatedForAllCamerasOrSome) {
   const CliWorkspace work;
   small_rig(work, {"--readout", "-8ms,cam01=0.016"});
@@ -74,6 +75,17 @@ TEST(CliRig, ReadoutsAreStatedForAllCamerasOrSome) {
   expect_refused("cam09=5ms", "--readout names cam09, but the cameras are cam00");
   expect_refused("16min", "give a time up to a second like 16ms");
   expect_refused("16", "give a time up to a second like 16ms");
+}
+
+// Bug put back: `evaluate` drew all rows at one time; seen to fail.
+TEST(CliRig, ViewsOfRollingShuttersAreScoredByTheTimesOfTheirRows) {
+  const CliWorkspace work;
+  small_rig(work, {"--readout", "30ms"});
+  const json trained = work.run_json({"train", work.at("scene"), "-o", work.at("out"), "--backend",
+                                      "cpu", "--iterations", "20", "--init-points", "300"});
+  ASSERT_GT(trained["num_dynamic"], 0);
+  const json scores = work.run_json({"evaluate", work.at("out"), "--split", "test"});
+  EXPECT_NEAR(scores["psnr"].get<double>(), trained["scores"]["psnr"].get<double>(), 1e-6);
 }
 
 TEST(CliRig, ClocksThatWereMeasuredAreLearnt) {
