@@ -7,6 +7,7 @@
 #include "kernels/base/buffer.h"
 #include "kernels/batch.h"
 #include "kernels/math/colour_map.h"
+#include "recon4d/model/clocks.h"
 
 namespace tessera {
 
@@ -24,7 +25,7 @@ struct FrameSample {
   std::vector<int32_t> series;
   std::vector<FrameRange> sweeps;       // of `frames`, one behind another
   std::vector<ColourMap<double>> maps;  // [frames]; empty: the images are compared as rendered
-  std::vector<double> offsets;          // [frames] added to their times; empty: none
+  std::vector<CameraClock> clocks;      // [frames] added to what they state; empty: none
   KernelSwitches kernels;               // how they are drawn and looked at
   /// [frames] images and masks where the backend reads them; empty: those of the scene are copied.
   std::vector<Span<const uint8_t>> images, masks;
@@ -37,8 +38,9 @@ struct FrameSample {
   int64_t at_once() const;
   const Frame& frame(int64_t i) const { return scene->frames[size_t(frames[size_t(i)])]; }
   View view(int64_t i) const {
-    return {frame(i).camera, frame(i).time + (offsets.empty() ? 0 : offsets[size_t(i)]),
-            int32_t(frame(i).timestep), series[size_t(i)]};
+    const CameraClock clock = clocks.empty() ? CameraClock() : clocks[size_t(i)];
+    return at_clock({frame(i).camera, frame(i).time, int32_t(frame(i).timestep), series[size_t(i)]},
+                    clock);
   }
 };
 
@@ -47,7 +49,7 @@ struct FrameSample {
 /// (τ + c′) mod S and there in series c mod S, where c′ is c mod S with its bits reversed: a sweep
 /// has every timestep and every camera, where both are at least S. S is a power of two: as many
 /// sweeps as leave each `least_frames`, and a series of several cameras three timesteps. Sweeps
-/// come in an order in which the first 2^k of them are evenly spread, too. `maps`, `offsets` and
+/// come in an order in which the first 2^k of them are evenly spread, too. `maps`, `clocks` and
 /// `images` are left empty.
 FrameSample sample_training_frames(const Scene& scene, int64_t least_frames = 32);
 

@@ -12,6 +12,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/math/environment.h"
 #include "recon4d/model/checkpoint_file.h"
+#include "recon4d/model/clocks.h"
 #include "recon4d/options/train_options_json.h"
 
 namespace tessera {
@@ -179,11 +180,11 @@ void check_header(const CheckpointReader& file, const json& header) {
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
     refuse_checkpoint(file.path(), "damaged checkpoint: impossible numbers in its header");
-  const auto promised =
-      uint64_t(kScalar * (scalars(nodes.static_form(), statics, of_static) +
-                          scalars(dynamic_form(header), dynamics, of_dynamic) + nodes.scalars() +
-                          averaged() + (3 * parts.exposure_width + 1) * parts.exposures +
-                          4 * parts.clocks + 3 * environment_scalars(environment)));
+  const auto promised = uint64_t(
+      kScalar * (scalars(nodes.static_form(), statics, of_static) +
+                 scalars(dynamic_form(header), dynamics, of_dynamic) + nodes.scalars() +
+                 averaged() + (3 * parts.exposure_width + 1) * parts.exposures +
+                 (3 * kClockWidth + 1) * parts.clocks + 3 * environment_scalars(environment)));
   if (file.array_bytes() != promised)
     refuse_checkpoint(file.path(),
                       fmt::format("truncated checkpoint: {} bytes, its header promises {}",
@@ -289,7 +290,7 @@ void for_each_array(State& state, const CheckpointParts& parts, Visit&& visit) {
     visit(learnt.steps, rows);
   };
   visit_rows(state.exposure, parts.exposures, parts.exposure_width);
-  visit_rows(state.clocks, parts.clocks, 1);
+  visit_rows(state.clocks, parts.clocks, kClockWidth);
   auto& nodes = state.model.nodes;
   visit(nodes.position, 3 * nodes.count);
   const int64_t scalars[] = {nodes.count, 3 * nodes.count * nodes.knots,

@@ -30,7 +30,9 @@ ClockRows clock_rows(const Scene& scene, const std::vector<int>& frames,
                      const TrainOptions& options) {
   ClockRows rows;
   check(options.clocks != Clocks::kAuto, "clock_rows: auto is not resolved");
-  if (options.clocks == Clocks::kFixed) return rows;
+  rows.offsets = options.clocks == Clocks::kLearn;
+  rows.readouts = options.learn_readouts;
+  if (!rows.offsets && !rows.readouts) return rows;
   std::map<std::string, int32_t> row_of;  // rows are in the order of names
   for (const int f : frames) row_of[scene.frames[size_t(f)].camera_name] = 0;
   for (auto& [name, row] : row_of) {
@@ -38,42 +40,67 @@ ClockRows clock_rows(const Scene& scene, const std::vector<int>& frames,
     rows.names.push_back(name);
   }
   rows.frame = frame_step(scene, frames);
-  if (rows.names.size() < 2 || rows.frame == 0)
+  if (rows.offsets && (rows.names.size() < 2 || rows.frame == 0))
     throw InputError(fmt::format(
         "{}: --clocks learn compares the clocks of cameras that film together, and here {}; pass "
         "--clocks fixed",
         scene.path, rows.frame == 0 ? "none has two timesteps" : "there is one camera"));
+  if (rows.frame == 0)
+    throw InputError(fmt::format(
+        "{}: --learn-readouts learns from what moves, and no camera has two timesteps; leave it "
+        "out",
+        scene.path));
   for (const int f : frames) rows.of_frame.push_back(row_of[scene.frames[size_t(f)].camera_name]);
   return rows;
 }
 
-void step_clocks(const std::vector<int32_t>& rows, const std::vector<double>& d_times, double frame,
-                 double rate, LearntRows& state) {
-  check(rows.size() == d_times.size(), "clocks: one gradient a view");
-  std::map<int32_t, double> by_row;  // so that views of one camera step together
-  for (size_t b = 0; b < rows.size(); ++b) by_row[rows[b]] += d_times[b] * frame;
-  for (const auto& [row, gradient] : by_row)
-    adam_step(adam_scalars<float>(rate, ++state.steps[row]), float(gradient), state.value[row],
-              state.moment1[row], state.moment2[row]);
-  double mean = 0;
-  for (float& value : state.value) {
-    value = std::clamp(value, float(-kMostClock), float(kMostClock));
-    mean += double(value) / double(state.rows());
+void step_clocks(const std::vector<int32_t>& rows, const std::vector<CameraClock>& gradients,
+                 const ClockRows& learnt, double rate, LearntRows& state) {
+  check(rows.size() == gradients.size(), "clocks: one gradient a view");
+  std::map<int32_t, CameraClock> by_row;  // so that views of one camera step together
+  for (size_t b = 0; b < rows.size(); ++b) {
+    by_row[rows[b]].offset += gradients[b].offset * learnt.frame;
+    by_row[rows[b]].readout += gradients[b].readout * learnt.frame;
   }
-  for (float& value : state.value) value = float(double(value) - mean);
+  for (const auto& [row, gradient] : by_row) {
+    const AdamScalars<float> adam = adam_scalars<float>(rate, ++state.steps[row]);
+    const auto step = [&](int64_t i, double by) {
+      adam_step(adam, float(by), state.value[i], state.moment1[i], state.moment2[i]);
+    };
+    if (learnt.offsets) step(kClockWidth * row, gradient.offset);
+    if (learnt.readouts) step(kClockWidth * row + 1, gradient.readout);
+  }
+  for (float& value : state.value) value = std::clamp(value, float(-kMostClock), float(kMostClock));
+  double mean = 0;
+  for (int64_t r = 0; r < state.rows(); ++r)
+    mean += double(state.value[kClockWidth * r]) / double(state.rows());
+  for (int64_t r = 0; r < state.rows(); ++r) {
+    float& offset = state.value[kClockWidth * r];
+    offset = float(double(offset) - mean);
+  }
 }
 
-std::vector<double> clock_offsets_of(const LearntRows& state, double frame) {
-  std::vector<double> offsets;
-  for (const float value : state.value) offsets.push_back(double(value) * frame);
-  return offsets;
+std::vector<CameraClock> clocks_of(const LearntRows& state, double frame) {
+  std::vector<CameraClock> clocks;
+  for (int64_t i = 0; i < state.value.size(); i += kClockWidth)
+    clocks.push_back({double(state.value[i]) * frame, double(state.value[i + 1]) * frame});
+  return clocks;
+}
+
+View at_clock(View view, const CameraClock& clock) {
+  view.time += clock.offset;
+  view.camera.readout += clock.readout;
+  return view;
 }
 
 nlohmann::json clocks_json(const ClockRows& rows, const LearntRows& state, double duration) {
-  nlohmann::json by_name;
-  const std::vector<double> offsets = clock_offsets_of(state, rows.frame);
-  for (size_t r = 0; r < offsets.size(); ++r) by_name[rows.names[r]] = offsets[r] * duration;
-  return by_name;
+  nlohmann::json result{{"clocks", nullptr}, {"readouts", nullptr}};
+  const std::vector<CameraClock> clocks = clocks_of(state, rows.frame);
+  for (size_t r = 0; r < clocks.size(); ++r) {
+    if (rows.offsets) result["clocks"][rows.names[r]] = clocks[r].offset * duration;
+    if (rows.readouts) result["readouts"][rows.names[r]] = clocks[r].readout * duration;
+  }
+  return result;
 }
 
 }  // namespace tessera

@@ -30,13 +30,16 @@ void OptionRows::add_optimisation() {
       "Clocks of the training cameras: fixed (as the scene states them), learn (an offset each, up "
       "to a frame) or auto (learn where motion or sound moved one). Scores and exports use the "
       "mean clock");
+  on_off("learn_readouts", &O::learn_readouts, "ours",
+         "Learn the readout of each training camera's rolling shutter, up to a frame from what the "
+         "scene states. Exports show one instant");
 
   group("Optimiser");
   number("lr_exposure", &O::lr_exposure, kRate, "ours",
          "Learning rate of log exposure gains at the start, ten times that of affine maps; falls "
          "to a hundredth");
   number("lr_clocks", &O::lr_clocks, kRate, "ours",
-         "Learning rate of clocks at the start, in frames; falls to a hundredth");
+         "Learning rate of clocks and readouts at the start, in frames; falls to a hundredth");
   number("lr_environment", &O::lr_environment, kRate, "[Yang24]",
          "Learning rate of the environment map");
   number("lr_mean", &O::lr_mean, kRate, "[3DGS]",

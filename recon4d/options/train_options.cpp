@@ -84,6 +84,20 @@ struct Setter {
   }
 };
 
+void check_times(const TrainOptions& options) {
+  const bool clocks = options.clocks == Clocks::kLearn;
+  if (!clocks && !options.learn_readouts) return;
+  const char* const off = clocks ? "--clocks fixed" : "--no-learn-readouts";
+  if (options.motion == Motion::kNodes)
+    throw InputError(
+        fmt::format("motion nodes know no gradient by time; pass {} or another --motion", off));
+  if (options.validation_share > 0)
+    throw InputError(
+        fmt::format("validation views keep the times that the scene states; pass {} or "
+                    "--validation-share 0",
+                    off));
+}
+
 /// What is never drawn has no gradient: Gaussians must not start, nor be reset, below the cut-off.
 void check_truncation(const TrainOptions& options) {
   constexpr double kResetOpacity = 0.01;  // reset_opacity
@@ -180,13 +194,7 @@ void validate(const TrainOptions& options) {
   if (options.motion == Motion::kNodes && options.filter_3d != Filter3d::kNone)
     throw InputError(
         "filter_3d does not reckon with motion nodes; pass --filter-3d none or another --motion");
-  if (options.clocks == Clocks::kLearn && options.motion == Motion::kNodes)
-    throw InputError(
-        "motion nodes know no gradient by time; pass --clocks fixed or another --motion");
-  if (options.clocks == Clocks::kLearn && options.validation_share > 0)
-    throw InputError(
-        "validation views keep the times that the scene states; pass --clocks fixed or "
-        "--validation-share 0");
+  check_times(options);
   const int contracts =
       (options.max_gaussians > 0) + (options.max_bytes > 0) + (options.within_db > 0);
   if (contracts > 1)

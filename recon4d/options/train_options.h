@@ -51,8 +51,9 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   // exposure of the training images
   ExposureGains exposure = ExposureGains::kNone;
   double lr_exposure = 0.01;
-  // clocks of the training cameras
+  // clocks and shutters of the training cameras
   Clocks clocks = Clocks::kFixed;
+  bool learn_readouts = false;
   double lr_clocks = 0.01;
   // learning rates
   double lr_mean = 1.6e-4, lr_mean_final = 1.6e-6;

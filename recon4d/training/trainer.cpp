@@ -66,7 +66,7 @@ TrainState initial_state(const Scene& scene, const TrainOptions& options, std::s
   TrainState state;
   state.exposure.reset(int64_t(exposure_rows(scene, frames, options).names.size()),
                        exposure_width(options.exposure));
-  state.clocks.reset(int64_t(clock_rows(scene, frames, options).names.size()), 1);
+  state.clocks.reset(int64_t(clock_rows(scene, frames, options).names.size()), kClockWidth);
   Initialisation first =
       initialise_model(scene, make_camera_rig(scene.training_cameras()), options, shared);
   source = first.source;
@@ -116,9 +116,9 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
         "Trainer: colours of another kind");
   maps_ = colour_maps_of(state_.exposure);
   const auto clocks = int64_t(clocked_.names.size());
-  if (state_.clocks.rows() == 0) state_.clocks.reset(clocks, 1);
+  if (state_.clocks.rows() == 0) state_.clocks.reset(clocks, kClockWidth);
   check(state_.clocks.rows() == clocks, "Trainer: clocks of other cameras");
-  clock_offsets_ = clock_offsets_of(state_.clocks, clocked_.frame);
+  clocks_ = clocks_of(state_.clocks, clocked_.frame);
   sampler_.restore(state_.sampler_epoch, state_.sampler_position);
   for (int k = 0; k < 2; ++k) state_.set(k).ensure_moments();
   if (options_.filter_3d != Filter3d::kNone)
@@ -191,7 +191,7 @@ FrameSample Trainer::sample_frames() {
     for (const int64_t i : indices) sample.moving.push_back(cache_.mask_on_host(i));
   sample.maps = maps(indices);
   for (const int64_t i : indices)
-    if (!clock_offsets_.empty()) sample.offsets.push_back(clock_offset(i));
+    if (!clocks_.empty()) sample.clocks.push_back(clock_of(i));
   return sample;
 }
 
@@ -220,12 +220,12 @@ void Trainer::step_nodes() {
 void Trainer::step() {
   forget_copies();
   control();
-  if (!clock_offsets_.empty()) complete_pending();  // the views have the times of that step
+  if (!clocks_.empty()) complete_pending();  // the views have the times of that step
   const std::vector<int64_t> batch = sampler_.next(options_.batch);
   ForwardArgs<float> args = forward_args();
   for (const int64_t index : batch) {
     const Frame& frame = scene_.frames[size_t(train_frames_[size_t(index)])];
-    args.views.push_back({frame.camera, frame.time + clock_offset(index)});
+    args.views.push_back(at_clock({frame.camera, frame.time}, clock_of(index)));
   }
   pipeline_.forward(args);
   complete_pending();  // the forward pass has waited for that step
@@ -264,23 +264,26 @@ std::vector<ColourMap<double>> Trainer::maps(const std::vector<int64_t>& batch) 
   return maps;
 }
 
-double Trainer::clock_offset(int64_t index) const {
-  return clock_offsets_.empty() ? 0 : clock_offsets_[size_t(clocked_.of_frame[size_t(index)])];
+CameraClock Trainer::clock_of(int64_t index) const {
+  return clocks_.empty() ? CameraClock() : clocks_[size_t(clocked_.of_frame[size_t(index)])];
 }
 
 void Trainer::step_rows(const StepOutcome& outcome, int64_t i) {
   std::vector<int32_t> colours, clocks;
   for (const int64_t index : pending_batch_) {
     if (!maps_.empty()) colours.push_back(exposed_.of_frame[size_t(index)]);
-    if (!clock_offsets_.empty()) clocks.push_back(clocked_.of_frame[size_t(index)]);
+    if (!clocks_.empty()) clocks.push_back(clocked_.of_frame[size_t(index)]);
   }
   if (!colours.empty() && !state_.static_is_frozen) {
     step_exposure(colours, outcome.d_maps, schedule_.exposure_rate(i), state_.exposure);
     maps_ = colour_maps_of(state_.exposure);
   }
   if (clocks.empty()) return;
-  step_clocks(clocks, outcome.d_times, clocked_.frame, schedule_.clock_rate(i), state_.clocks);
-  clock_offsets_ = clock_offsets_of(state_.clocks, clocked_.frame);
+  std::vector<CameraClock> gradients;
+  for (size_t b = 0; b < outcome.d_times.size(); ++b)
+    gradients.push_back({outcome.d_times[b], outcome.d_readouts[b]});
+  step_clocks(clocks, gradients, clocked_, schedule_.clock_rate(i), state_.clocks);
+  clocks_ = clocks_of(state_.clocks, clocked_.frame);
 }
 
 void Trainer::backward() {
@@ -305,7 +308,7 @@ void Trainer::backward() {
       args.statistics[k].length_share = length_share(options_, set.form());
     }
   }
-  args.by_time = !clock_offsets_.empty();
+  args.by_time = !clocks_.empty();
   args.regulariser = {options_.opacity_weight, options_.scale_weight};
   ParameterGroup& environment = state_.model.environment.map;
   d_environment_.resize(environment.value.size());

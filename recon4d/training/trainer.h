@@ -104,8 +104,8 @@ class Trainer {
   void backward();
   /// Maps of colours of the views of a batch; empty: none.
   std::vector<ColourMap<double>> maps(const std::vector<int64_t>& batch) const;
-  /// By how much later than stated a training frame was filmed, as far as it is learnt.
-  double clock_offset(int64_t index) const;
+  /// Of a training frame, as far as it is learnt.
+  CameraClock clock_of(int64_t index) const;
   /// Colours and clocks, by the gradients of the last step, which was step i.
   void step_rows(const StepOutcome& outcome, int64_t i);
   void prefetch();
@@ -138,7 +138,7 @@ class Trainer {
   ExposureRows exposed_;
   ClockRows clocked_;
   std::vector<ColourMap<double>> maps_;  // [R] of the next step
-  std::vector<double> clock_offsets_;    // [R] of the next step, normalised time
+  std::vector<CameraClock> clocks_;      // [R] of the next step
   std::vector<int64_t> pending_batch_;   // [B] training frames of the last step
   std::optional<StepReport> pending_;
   std::chrono::steady_clock::time_point reported_;  // until when time is accounted for

@@ -297,8 +297,8 @@ class Session {
     stages_->add_to(result);
     const RunFolder& run = writer_.folder();
     if (!result["exposure"].is_null()) result["exposure"]["file"] = run.exposure().string();
-    result["clocks"] =
-        clocks_json(trainer_->clocked(), trainer_->state().clocks, setup_.scene.time_axis.duration);
+    result.update(clocks_json(trainer_->clocked(), trainer_->state().clocks,
+                              setup_.scene.time_axis.duration));
     result["model"] = run.model().string();
     result["bytes"] = std::filesystem::file_size(run.model());
     writer_.log().event("end", result);

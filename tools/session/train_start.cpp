@@ -295,6 +295,7 @@ bool resolve_motion(Backend& backend, const Scene& scene,
   nodes.exposure = options.exposure;
   nodes.near_plane = options.near_plane;
   nodes.clocks = Clocks::kFixed;
+  nodes.learn_readouts = false;
   nodes.validation_share = options.validation_share;
   limit_by_shown_pixels(scene, nodes);
   say("motion: short trainings say whether motion nodes or dynamic Gaussians show more");

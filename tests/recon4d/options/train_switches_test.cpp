@@ -77,6 +77,7 @@ const std::vector<Alternative>& alternatives() {
       {"environment_size", 8, json::object(), true},
       {"lr_environment", 0.02, json::object(), true},
       {"clocks", "learn"},
+      {"learn_readouts", true},
       {"lr_clocks", 0.05, {{"clocks", "learn"}}},
       {"exposure", "camera"},
       {"lr_exposure", 0.05, {{"exposure", "frame"}}},
