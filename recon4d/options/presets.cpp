@@ -120,16 +120,6 @@ void fit_to_photos(TrainOptions& options, int64_t views) {
   options.scale_weight /= share;
 }
 
-/// Few cameras are soon fitted beyond what they show (research/few_cameras.md).
-void fit_to_few_cameras(TrainOptions& options, int64_t cameras) {
-  if (cameras >= kEnoughCameras) return;
-  const double few = double(kEnoughCameras - std::max(cameras, kFewCameras)) /
-                     double(kEnoughCameras - kFewCameras);
-  const double steps = std::lerp(double(kStepsPerCamera), double(kStepsPerFewCameras), few);
-  options.iterations = std::min(options.iterations, int64_t(std::lround(steps * double(cameras))));
-  options.clear_distance = -1;
-}
-
 /// The more cameras film at once, the more of them see a Gaussian: it needs fewer pixels of each
 /// and less weight against what only one of them shows (research/growth.md). In small images a
 /// gradient by NDC stays large down to a fraction of a pixel, where static Gaussians fit noise.
@@ -139,7 +129,7 @@ void fit_to_cameras(TrainOptions& options, const SceneFacts& facts) {
     lower_limit(options, facts.camera_pixels * cameras / (kFewCameras * kPixelsOfFewCameras));
   if (!facts.rig()) return;
   fit_to_sides(options, facts.cameras, kManyCameras, kStepsPerCamera);
-  fit_to_few_cameras(options, facts.cameras);
+  if (facts.cameras < kEnoughCameras) options.clear_distance = -1;
   options.opacity_weight = options.scale_weight = kRigWeight / double(facts.cameras);
   if (facts.camera_pixels > 0 && facts.views > 0)
     options.static_threshold = std::max(

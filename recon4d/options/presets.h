@@ -51,10 +51,9 @@ inline constexpr int64_t kManyCameras = 30, kStepsPerCamera = 1000;
 
 inline constexpr int64_t kFewCameras = 4, kPixelsOfFewCameras = 16;
 
-/// A rig of kFewCameras or fewer takes kStepsPerFewCameras for each of them at most, one of
-/// kEnoughCameras kStepsPerCamera, one between them in proportion. With fewer than these, what
-/// lies before a camera is fitted by the others (recon4d/density/free_space.h).
-inline constexpr int64_t kEnoughCameras = 8, kStepsPerFewCameras = 500;
+/// With fewer than these, what lies before a camera is fitted by the others
+/// (recon4d/density/free_space.h, research/few_cameras.md).
+inline constexpr int64_t kEnoughCameras = 8;
 
 inline constexpr double kRigWeight = 0.1;
 /// Of an image in which densify_threshold holds for static Gaussians as it is.

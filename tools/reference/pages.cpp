@@ -173,13 +173,12 @@ std::string presets_page() {
       text += fmt::format(
           "\nFor N training cameras that film at once: during growth at most one Gaussian per {}/N "
           "of their pixels, {} for {} or fewer. Of a rig: at most {} steps for each camera; with "
-          "less than {} cameras fewer, down to {} with {}, and `--clear-distance -1`; with less "
-          "than {} cameras `--lr-sh-rest` is lower in proportion; `--opacity-weight` and "
+          "less than {} cameras `--clear-distance -1`; with less than {} cameras `--lr-sh-rest` is "
+          "lower in proportion; `--opacity-weight` and "
           "`--scale-weight` {:g}/N; with images of less than {:g} pixels `--static-threshold` is "
           "higher as their sides are shorter.\n",
           kFewCameras * kPixelsOfFewCameras, kPixelsOfFewCameras, kFewCameras, kStepsPerCamera,
-          kEnoughCameras, kStepsPerFewCameras, kFewCameras, kManyCameras, kRigWeight,
-          kThresholdPixels);
+          kEnoughCameras, kManyCameras, kRigWeight, kThresholdPixels);
     text += "\n";
   }
   text += "## Without a preset's value\n\n| option | value |\n|---|---|\n";
