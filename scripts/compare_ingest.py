@@ -216,8 +216,10 @@ class Golden:
         return golden_ingest.alike(a, b)
 
     def write(self):
+        # by capture, whichever ends first; of each the case first that others are told by
+        by_capture = sorted(self.lines.items(), key=lambda line: line[0].rpartition(": ")[0])
         with GOLDEN.open("w") as file:
-            for case, line in self.lines.items():
+            for case, line in by_capture:
                 file.write(json.dumps({"case": case, **line}, ensure_ascii=False) + "\n")
 
 

@@ -167,8 +167,7 @@ TEST(Gradient, WithATimeFilterEqualsDifferences) {
 TEST(Gradient, WithARollingShutterEqualsDifferences) {
   for (const SetForm form : kDynamicForms) {
     TestScene<double> scene = random_scene(2, 5, 0.2, 19, form);
-    for (size_t b = 0; b < scene.views.size(); ++b)
-      scene.views[b].camera.readout = b % 2 == 0 ? 0.01 : -0.01;
+    set_readouts(scene, 0.01);
     keep_truth_away(scene, 10);
     expect_differences(scene, kGeometry, 0.01);
   }

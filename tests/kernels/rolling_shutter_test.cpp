@@ -51,8 +51,7 @@ TEST(RollingShutter, EachRowIsThatOfItsTime) {
   for (const SetForm form : kDynamicForms) {
     TestScene<double> scene = moving_scene(form);
     const std::vector<double> global = render(scene).colour;
-    for (size_t b = 0; b < scene.views.size(); ++b)
-      scene.views[b].camera.readout = b % 2 == 0 ? 0.2 : -0.2;
+    set_readouts(scene, 0.2);
     const std::vector<double> expected = by_rows(scene);
     EXPECT_LT(mean_difference(render(scene).colour, expected),
               0.25 * mean_difference(global, expected))

@@ -211,6 +211,12 @@ inline void add_filter_3d(TestScene<double>& scene, double size, uint64_t seed) 
       set->filter_size.push_back(n % 3 == 2 ? 0 : random.uniform(0.3 * size, 1.5 * size));
 }
 
+/// Rolling shutters, every other one of which reads from the bottom.
+inline void set_readouts(TestScene<double>& scene, double readout) {
+  for (size_t b = 0; b < scene.views.size(); ++b)
+    scene.views[b].camera.readout = b % 2 == 0 ? readout : -readout;
+}
+
 inline TestScene<double> random_scene(int64_t fixed, int64_t moving, double size, uint64_t seed,
                                       SetForm form = SetForm::kPair) {
   Random random(seed);

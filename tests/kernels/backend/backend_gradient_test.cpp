@@ -75,8 +75,7 @@ TEST_P(BackendGradient, OneViewAndFive) {
 TEST_P(BackendGradient, ARollingShutter) {
   for (const SetForm form : kDynamicForms) {
     TestScene<double> scene = random_scene(60, 80, 0.2, 46, form);
-    for (size_t b = 0; b < scene.views.size(); ++b)
-      scene.views[b].camera.readout = b % 2 == 0 ? 0.1 : -0.1;
+    set_readouts(scene, 0.1);
     keep_truth_away(scene, 47);
     expect_gradients(scene);
   }
