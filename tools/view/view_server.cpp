@@ -3,10 +3,13 @@
 
 #include <microhttpd.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstring>
 #include <exception>
 #include <optional>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 namespace tessera {
@@ -14,18 +17,25 @@ namespace {
 
 constexpr unsigned kMostConnections = 32, kIdleSeconds = 20;
 constexpr size_t kConnectionBytes = 32768;
+constexpr std::chrono::milliseconds kLongestAnswer{2000}, kPoll{5};  // once the server ends
 
-/// One request while it arrives.
+/// One request until its response is sent.
 struct Exchange {
+  Exchange(std::string request, std::atomic<int>& all) : target(std::move(request)), count(all) {
+    ++count;
+  }
+  ~Exchange() { --count; }
+
   std::string target;  // as it was received
+  std::atomic<int>& count;
   bool has_begun = false;
   uint64_t body_bytes = 0;
 };
 
 /// Called with the target before anything in it is decoded; what it returns belongs to the request
 /// until `end_exchange`.
-void* begin_exchange(void*, const char* target, MHD_Connection*) {
-  return new (std::nothrow) Exchange{target};
+void* begin_exchange(void* exchanges, const char* target, MHD_Connection*) {
+  return new (std::nothrow) Exchange(target, *static_cast<std::atomic<int>*>(exchanges));
 }
 
 void end_exchange(void*, MHD_Connection*, void** exchange, MHD_RequestTerminationCode) {
@@ -108,6 +118,7 @@ MHD_Result handle(void* state, MHD_Connection* connection, const char*, const ch
 
 struct ViewServer::Daemon {
   ViewState state;
+  std::atomic<int> exchanges = 0;
   MHD_Daemon* daemon = nullptr;
 };
 
@@ -123,13 +134,15 @@ ViewServer::ViewServer(ViewState state, ListeningSocket socket)
       &daemon_->state, MHD_OPTION_LISTEN_SOCKET, socket.socket.release(),
       MHD_OPTION_CONNECTION_LIMIT, kMostConnections, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
       kConnectionBytes, MHD_OPTION_CONNECTION_TIMEOUT, kIdleSeconds, MHD_OPTION_STRICT_FOR_CLIENT,
-      1, MHD_OPTION_URI_LOG_CALLBACK, &begin_exchange, nullptr, MHD_OPTION_NOTIFY_COMPLETED,
-      &end_exchange, nullptr, MHD_OPTION_END);
+      1, MHD_OPTION_URI_LOG_CALLBACK, &begin_exchange, &daemon_->exchanges,
+      MHD_OPTION_NOTIFY_COMPLETED, &end_exchange, nullptr, MHD_OPTION_END);
   if (daemon_->daemon == nullptr)
     throw std::runtime_error("view: libmicrohttpd starts no server; it needs threads and epoll");
 }
 
 ViewServer::~ViewServer() {
+  for (auto left = kLongestAnswer; daemon_->exchanges > 0 && left.count() > 0; left -= kPoll)
+    std::this_thread::sleep_for(kPoll);
   MHD_stop_daemon(daemon_->daemon);
 }
 

@@ -18,7 +18,7 @@ class ViewServer {
   ViewServer(ViewState state, ListeningSocket socket);
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;
-  /// Closes all connections, also in the middle of an answer.
+  /// Closes all connections; answers in progress are sent before, for at most 2 s.
   ~ViewServer();
 
  private:

@@ -30,11 +30,15 @@ class HttpClient {
   void send(const std::string& text) const {
     ::send(socket_.descriptor(), text.data(), text.size(), MSG_NOSIGNAL);
   }
+  /// At most 4096 bytes; "" at the end.
+  std::string read_some() const {
+    char part[4096];
+    const ssize_t read = ::recv(socket_.descriptor(), part, sizeof part, 0);
+    return {part, read > 0 ? size_t(read) : 0};
+  }
   std::string read_all() const {
     std::string text;
-    char part[4096];
-    for (ssize_t read = 0; (read = ::recv(socket_.descriptor(), part, sizeof part, 0)) > 0;)
-      text.append(part, size_t(read));
+    for (std::string part; !(part = read_some()).empty();) text += part;
     return text;
   }
 
