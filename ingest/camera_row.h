@@ -18,6 +18,8 @@ struct CameraRow {
                                      // it, pixels; absent of stated and of held-out cameras
   double clock_offset = 0;           // seconds added to its times
   double clock_offset_frames = 0;    // the same in its frames; 0 where the rate is not known
+  double clock_error = 0;            // its standard error in its frames; 0: stated, not known
+  double readout = 0;                // of its rolling shutter as it is stated, seconds
   std::string clock_source;          // "stated", "container", "audio", "motion", "none"
   std::optional<double> gain;      // its 8-bit values by the median camera's, mean of R G B; absent
                                    // where too little is shared, of held-out cameras, not measured

@@ -29,11 +29,15 @@ std::string pose_text(const CameraRow& row) {
   return row.pose_error ? number_text(row.pose_error, 2) : row.pose_source;
 }
 
-/// "+0.0417 (+1.00)".
+/// "+0.0417 (+1.00±0.02)".
 std::string clock_text(const CameraRow& row) {
-  if (row.clock_offset == 0) return "0";
-  if (row.frames_per_second <= 0) return fmt::format("{:+.4f}", row.clock_offset);
-  return fmt::format("{:+.4f} ({:+.2f})", row.clock_offset, row.clock_offset_frames);
+  const std::string seconds =
+      row.clock_offset == 0 ? "0" : fmt::format("{:+.4f}", row.clock_offset);
+  std::string frames;
+  if (row.clock_offset != 0 && row.frames_per_second > 0)
+    frames = fmt::format("{:+.2f}", row.clock_offset_frames);
+  if (row.clock_error > 0) frames += fmt::format("±{:.2f}", row.clock_error);
+  return frames.empty() ? seconds : fmt::format("{} ({})", seconds, frames);
 }
 
 std::string rate_text_of(const CameraRow& row) {
@@ -69,8 +73,10 @@ CameraCells camera_cells(const CameraRow& row) {
 
 const char* camera_caption() {
   return "frames: kept of those in the file; pose: mean reprojection error of COLMAP's points in "
-         "pixels, or where the pose comes from; clock: seconds (frames) added, and what they come "
-         "from; gain: brightness by the median camera's; roll: clockwise turn of the image";
+         "pixels, or where the pose comes from; clock: seconds (frames ± standard error) added, "
+         "and "
+         "what they come from; gain: brightness by the median camera's; roll: clockwise turn of "
+         "the image";
 }
 
 std::vector<std::string> camera_table_lines(const std::vector<CameraRow>& rows) {
@@ -110,7 +116,9 @@ json camera_table_json(const std::vector<CameraRow>& rows) {
          {"pose_error_px", known(row.pose_error)},
          {"clock_offset_s", row.clock_offset},
          {"clock_offset_frames", row.clock_offset_frames},
+         {"clock_error_frames", row.clock_error},
          {"clock_source", row.clock_source},
+         {"readout_s", row.readout},
          {"gain", known(row.gain)},
          {"roll_degrees", known(row.roll)},
          {"role", row.test ? "test" : "train"},

@@ -25,8 +25,8 @@ const char* camera_caption();
 std::vector<std::string> camera_table_lines(const std::vector<CameraRow>& rows);
 
 /// [{name, width, height, frames_per_second, frames_in_file, frames_kept, pose_source,
-/// pose_error_px, clock_offset_s, clock_offset_frames, clock_source, gain, roll_degrees, role,
-/// leave_out, notes}]; null for what is not known.
+/// pose_error_px, clock_offset_s, clock_offset_frames, clock_error_frames, clock_source, readout_s,
+/// gain, roll_degrees, role, leave_out, notes}]; null for what is not known.
 nlohmann::json camera_table_json(const std::vector<CameraRow>& rows);
 
 }  // namespace tessera

@@ -67,12 +67,12 @@ struct Capture {
   std::filesystem::path folder;
   std::string layout;  // "transforms", "n3dv", "colmap", …, as the prepared scene states it
 
-  std::vector<RigClip> clips;         // recordings, one a camera, by name; empty of image files
-  std::vector<char> held_out;         // one a clip, once that is chosen
-  std::vector<std::string> limiting;  // names of clips that shorten what all share
-  std::filesystem::path photos;       // the folder of a photo set; empty of others
-  bool posed = true;                  // every clip or frame has a pose
-  std::string unused_poses;           // why poses that lie there are not used; may be empty
+  std::vector<RigClip> clips;        // recordings, one a camera, by name; empty of image files
+  std::vector<char> held_out;        // one a clip, once that is chosen
+  std::vector<std::string> partial;  // names of clips that film a part of the time that is kept
+  std::filesystem::path photos;      // the folder of a photo set; empty of others
+  bool posed = true;                 // every clip or frame has a pose
+  std::string unused_poses;          // why poses that lie there are not used; may be empty
   std::vector<CaptureCamera> cameras;
   std::vector<StatedView> views;
   std::vector<CaptureFrame> frames;

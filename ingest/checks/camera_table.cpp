@@ -27,7 +27,9 @@ CameraRow row_of_clip(const RigClip& clip, const CaptureCamera& camera) {
   if (const double seconds = clip.timeline.frame_seconds; seconds > 0) {
     row.frames_per_second = 1 / seconds;
     row.clock_offset_frames = camera.time_offset / seconds;
+    if (camera.time_source != "none") row.clock_error = camera.time_uncertainty / seconds;
   }
+  if (clip.camera) row.readout = clip.camera->camera.readout;
   row.pose_source = clip.camera && clip.camera->estimated ? "COLMAP" : "stated";
   if (clip.camera) row.pose_error = clip.camera->reprojection_error;
   return row;
@@ -99,8 +101,8 @@ std::vector<CameraRow> camera_table(const Capture& capture) {
   count_frames(capture, rows);
   mark_sizes(rows);
   mark_rates(capture, rows);
-  for (const std::string& name : capture.limiting)
-    if (CameraRow* row = find_row(name, rows)) leave_out("limits the clip", *row);
+  for (const std::string& name : capture.partial)
+    if (CameraRow* row = find_row(name, rows)) row->notes.push_back("part of the clip");
   mark_clocks(rows);
   mark_pose_errors(rows);
   return rows;

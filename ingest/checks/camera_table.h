@@ -14,8 +14,8 @@ struct Capture;
 
 /// One row a clip, in the order of the names, without gains and rolls; empty of fewer than two
 /// clips. `capture`: after choose_frames(). Odd is a camera of another size or rate than most, one
-/// that limits the clip, one without a clock where others have one, and one whose pose error is
-/// three times the median and 1 pixel or more. Rate, limit and pose error are reasons to leave it
+/// that films a part of the clip, one without a clock where others have one, and one whose pose
+/// error is three times the median and 1 pixel or more. Rate and pose error are reasons to leave it
 /// out.
 std::vector<CameraRow> camera_table(const Capture& capture);
 

@@ -55,7 +55,8 @@ void judge_cameras(SceneTimes& range) {
             {Severity::kWarning, "time", camera.camera,
              fmt::format("covers {:.3f} to {:.3f} of the clip, most cameras {:.3f} to {:.3f}",
                          camera.first, camera.last, first, last),
-             "cut the clips to the time that they share, or check the clock offsets"});
+             "the other cameras alone show the rest; where it did film it, check the clock "
+             "offsets"});
     }
     if (camera.missing > 0 && ++named <= kMostNamed)
       range.findings.push_back(

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "kernels/base/median.h"
@@ -20,6 +21,10 @@ double usual_seconds(const std::vector<double>& frame_seconds) {
   return known.size() < 2 ? 0 : lower_median(std::move(known));
 }
 
+bool is_odd(double seconds, double usual) {
+  return seconds > 0 && usual > 0 && std::abs(seconds - usual) > kSameRate * usual;
+}
+
 /// "24 frames/s", "29.97 frames/s".
 std::string rate_text(double frame_seconds) {
   return fmt::format("{:g} frames/s", std::round(100 / frame_seconds) / 100);
@@ -30,9 +35,14 @@ std::string rate_text(double frame_seconds) {
 std::vector<char> odd_rates(const std::vector<double>& frame_seconds) {
   const double usual = usual_seconds(frame_seconds);
   std::vector<char> odd;
-  for (const double seconds : frame_seconds)
-    odd.push_back(seconds > 0 && usual > 0 && std::abs(seconds - usual) > kSameRate * usual);
+  for (const double seconds : frame_seconds) odd.push_back(is_odd(seconds, usual));
   return odd;
+}
+
+int64_t cameras_of_rate(double seconds, const std::vector<double>& frame_seconds) {
+  if (seconds <= 0) return 0;
+  return std::count_if(frame_seconds.begin(), frame_seconds.end(),
+                       [&](double other) { return other > 0 && !is_odd(other, seconds); });
 }
 
 std::vector<std::string> rate_texts(const std::vector<double>& frame_seconds) {

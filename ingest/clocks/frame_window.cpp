@@ -52,42 +52,31 @@ std::vector<size_t> at_rate(const std::vector<double>& seconds, double start, do
 
 }  // namespace
 
-TimeInterval common_interval(const std::vector<std::vector<double>>& clips) {
-  check(!clips.empty(), "there are clips");
-  TimeInterval common{-INFINITY, INFINITY};
-  for (const std::vector<double>& clip : clips) {
-    check(!clip.empty(), "a clip has frames");
-    common.first = std::max(common.first, clip.front());
-    common.last = std::min(common.last, clip.back());
-  }
-  return common;
-}
-
-void check_start(const FrameWindow& window, const TimeInterval& common, const std::string& where) {
-  const double length = common.last - common.first;
+void check_start(const FrameWindow& window, const TimeInterval& clip, const std::string& where) {
+  const double length = clip.last - clip.first;
   if (window.start > length)
     throw InputError(fmt::format("{}: --start {} s is after the end ({:.3f} s); pass less", where,
                                  window.start, length));
 }
 
 std::vector<size_t> choose_frames(const std::vector<double>& seconds, const FrameWindow& window,
-                                  const TimeInterval& common) {
-  if (seconds.empty() || common.empty()) return {};
-  const double start = common.first + window.start;
+                                  const TimeInterval& clip) {
+  if (seconds.empty() || clip.empty()) return {};
+  const double start = clip.first + window.start;
   const double length = window.duration.value_or(INFINITY);
   const int64_t limit = window.frames.value_or(INT64_MAX);
   if (window.fps) {
     check(*window.fps > 0, "a frame rate is positive");
     const double rate = *window.fps;
     const double asked = std::ceil((length - kRounding) * rate);  // k / fps < duration
-    const double available = std::floor((common.last - start + kRounding) * rate) + 1;  // <= last
+    const double available = std::floor((clip.last - start + kRounding) * rate) + 1;  // <= last
     const double count = std::min({asked, available, double(limit)});
     return at_rate(seconds, start, rate, int64_t(count));
   }
   const double half = half_distance(seconds);
-  const double common_end = std::nextafter(common.last + half + 2 * kRounding, INFINITY);
+  const double clip_end = std::nextafter(clip.last + half + 2 * kRounding, INFINITY);
   std::vector<size_t> kept =
-      every_frame(seconds, start - half, std::min(start + length - half, common_end));
+      every_frame(seconds, start - half, std::min(start + length - half, clip_end));
   if (int64_t(kept.size()) > limit) kept.resize(size_t(limit));
   return kept;
 }

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "ingest/clocks/frame_rates.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/median.h"
 
@@ -69,26 +70,41 @@ bool is_rig(const std::vector<CameraClock>& cameras) {
          }) > 1;
 }
 
-/// Ascending times of the camera that has most of them, or of all cameras where none has two.
+std::vector<double> times_of(const CameraClock& camera) {
+  std::vector<double> times;
+  for (const TimedFrames& timed : camera) times.push_back(timed.time);
+  return times;
+}
+
+/// 0 of one time.
+double median_gap(const std::vector<double>& times) {
+  std::vector<double> gaps;
+  for (size_t i = 1; i < times.size(); ++i) gaps.push_back(times[i] - times[i - 1]);
+  return gaps.empty() ? 0 : lower_median(std::move(gaps));
+}
+
+/// Ascending times of the camera with the rate that most have and, of these, with the most times;
+/// of all cameras where none has two.
 std::vector<double> reference_times(const std::vector<CameraClock>& cameras) {
   const bool any_trains = std::any_of(cameras.begin(), cameras.end(), has_training);
-  const CameraClock* most = nullptr;
+  std::vector<const CameraClock*> candidates;
+  std::vector<double> gaps;
   CameraClock all;
   for (const CameraClock& camera : cameras) {
     all.insert(all.end(), camera.begin(), camera.end());
     if (any_trains && !has_training(camera)) continue;
-    if (most == nullptr || camera.size() > most->size()) most = &camera;
+    candidates.push_back(&camera);
+    gaps.push_back(median_gap(times_of(camera)));
   }
-  all = merged(std::move(all));
-  std::vector<double> times;
-  for (const TimedFrames& timed : most->size() > 1 ? *most : all) times.push_back(timed.time);
-  return times;
-}
-
-double median_gap(const std::vector<double>& times) {
-  std::vector<double> gaps;
-  for (size_t i = 1; i < times.size(); ++i) gaps.push_back(times[i] - times[i - 1]);
-  return gaps.empty() ? INFINITY : lower_median(std::move(gaps));
+  std::pair<int64_t, size_t> most{-1, 0};  // cameras of one rate, times
+  const CameraClock* reference = nullptr;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const std::pair rank{cameras_of_rate(gaps[i], gaps), candidates[i]->size()};
+    if (rank <= most) continue;
+    most = rank;
+    reference = candidates[i];
+  }
+  return times_of(reference->size() > 1 ? *reference : merged(std::move(all)));
 }
 
 /// The place of the time within `reach` that is nearest, the earlier of two: what lies half a gap
@@ -133,7 +149,7 @@ std::vector<Group> group_clocks(std::vector<CameraClock> cameras) {
   double reach = is_rig(cameras) ? INFINITY : 0;
   while (!cameras.empty()) {
     const std::vector<double> times = reference_times(cameras);
-    reach = std::min(reach, 0.5 * median_gap(times));
+    if (const double gap = median_gap(times); gap > 0) reach = std::min(reach, 0.5 * gap);
     std::vector<Group> found;
     for (double time : times) found.push_back({time, {}});
     for (CameraClock& camera : cameras) join(times, reach, camera, found);

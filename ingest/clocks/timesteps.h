@@ -19,12 +19,12 @@ struct FrameTime {
 
 /// The number of each frame's timestep, from 0 on in the order of time; as many as `frames`.
 ///
-/// The timesteps are the times of a reference: of the cameras that have training frames the one
-/// with the most times, the first by name. Every other camera's frames join the nearest of them, as
-/// far as half of the reference's median frame gap, with one time a camera; what is left is grouped
-/// alone in the same way, no wider. Where no second training camera has several times (a moving
-/// camera, photos) there are no clocks to differ: only equal times go together. Times count as
-/// equal within a millionth of the clip.
+/// The timesteps are the times of a reference: of the cameras that have training frames, and the
+/// frame rate of most of these, the one with the most times, the first by name. Every other
+/// camera's frames join the nearest of them, as far as half of the reference's median frame gap,
+/// with one time a camera; what is left is grouped alone in the same way, no wider. Where no second
+/// training camera has several times (a moving camera, photos) there are no clocks to differ: only
+/// equal times go together. Times count as equal within a millionth of the clip.
 std::vector<int64_t> timestep_numbers(const std::vector<FrameTime>& frames);
 
 /// Sets Frame::timestep of all frames, which must be those of the whole clip.

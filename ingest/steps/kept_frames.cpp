@@ -5,11 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "ingest/checks/odd_cameras.h"
 #include "ingest/clocks/frame_rates.h"
 #include "ingest/clocks/frame_window.h"
-#include "ingest/clocks/limiting_cameras.h"
+#include "ingest/clocks/shared_time.h"
 #include "ingest/test_views.h"
 #include "ingest/video/clip_mistakes.h"
 #include "ingest/video/frame_colour.h"
@@ -18,8 +19,10 @@
 namespace tessera {
 namespace {
 
-/// Whatever the clocks are and whichever cameras are left out, the common part of all clips is no
-/// longer than the longest one: refused before COLMAP has worked for minutes.
+constexpr double kFrameAndHalf = 1.5;  // in frames; clocks that differ by one are no matter
+
+/// Whatever the clocks are, what is kept is no longer than the longest clip: refused before COLMAP
+/// has worked for minutes.
 void check_start_of_longest(const Capture& capture, const IngestOptions& options) {
   TimeInterval longest;
   for (const RigClip& clip : capture.clips) {
@@ -28,25 +31,6 @@ void check_start_of_longest(const Capture& capture, const IngestOptions& options
     longest.last = std::max(longest.last, seconds);
   }
   check_start({options.start, {}, {}, {}}, longest, capture.folder.string());
-}
-
-/// A camera that is too short whatever the clocks are is refused before COLMAP has worked for
-/// minutes. Where the clocks are not known yet, the clips are compared as if all began together.
-void check_lengths(const Capture& capture, const IngestOptions& options) {
-  const SyncOptions& sync = options.sync;
-  if (capture.posed || !sync.offsets.empty()) return;
-  const bool one_clock = sync.method == SyncMethod::kNone;
-  std::vector<std::vector<double>> seconds;
-  for (const RigClip& clip : capture.clips) {
-    const double origin = one_clock ? 0 : clip.timeline.seconds(0);
-    std::vector<double>& of_clip = seconds.emplace_back();
-    for (size_t k = 0; k < clip.timeline.ticks.size(); ++k)
-      of_clip.push_back(clip.timeline.seconds(k) - origin);
-  }
-  limit_warning(
-      limited_clip(clip_names(capture), seconds,
-                   FrameWindow{options.start, options.duration, options.fps, options.frames}),
-      capture.folder.string());
 }
 
 /// One line for all cameras of which `is` holds.
@@ -58,35 +42,68 @@ void warn_of_cameras(const Is& is, const char* what, Capture& capture) {
   if (!names.empty()) capture.warnings.push_back(fmt::format("{}: {}", listed_names(names), what));
 }
 
-/// Where no camera limits the clip more than others: what is lost as they do not begin or end
-/// together.
-void warn_of_ends(const std::vector<std::vector<double>>& timesteps, const TimeInterval& common,
+/// What is lost as the cameras do not begin or end together.
+void warn_of_ends(const std::vector<std::vector<double>>& timesteps, const TimeInterval& shared,
                   Capture& capture) {
-  size_t begins_last = 0, ends_first = 0;
-  TimeInterval whole{timesteps[0].front(), timesteps[0].back()};
+  size_t begins = 0, ends = 0;  // the cameras with which `shared` begins and ends
+  TimeInterval whole = shared;
   for (size_t i = 0; i < timesteps.size(); ++i) {
     whole.first = std::min(whole.first, timesteps[i].front());
     whole.last = std::max(whole.last, timesteps[i].back());
-    if (timesteps[i].front() > timesteps[begins_last].front()) begins_last = i;
-    if (timesteps[i].back() < timesteps[ends_first].back()) ends_first = i;
+    if (timesteps[i].front() == shared.first) begins = i;
+    if (timesteps[i].back() == shared.last) ends = i;
   }
-  const double enough = 1.5 * capture.clips.front().timeline.frame_seconds;
-  if (common.first - whole.first > enough)
-    capture.warnings.push_back(fmt::format(
-        "{} begins {:.3f} s after the first camera; frames before that are not used",
-        capture.clips[begins_last].video.filename().string(), common.first - whole.first));
-  if (whole.last - common.last > enough)
+  const double enough = kFrameAndHalf * capture.clips.front().timeline.frame_seconds;
+  if (shared.first - whole.first > enough)
+    capture.warnings.push_back(
+        fmt::format("{} begins {:.3f} s after the first camera; frames before that are not used",
+                    capture.clips[begins].video.filename().string(), shared.first - whole.first));
+  if (whole.last - shared.last > enough)
     capture.warnings.push_back(fmt::format(
         "{} ends {:.3f} s before the last camera, at {:.3f} s; frames after that are not used",
-        capture.clips[ends_first].video.filename().string(), whole.last - common.last,
-        common.last));
+        capture.clips[ends].video.filename().string(), whole.last - shared.last, shared.last));
+}
+
+/// The kept frames of some cameras, which have any.
+TimeInterval interval_of(const std::vector<std::vector<size_t>>& kept,
+                         const std::vector<std::vector<double>>& timesteps,
+                         const std::vector<char>& of) {
+  TimeInterval interval{INFINITY, -INFINITY};
+  for (size_t i = 0; i < kept.size(); ++i) {
+    if (!of[i]) continue;
+    interval.first = std::min(interval.first, timesteps[i][kept[i].front()]);
+    interval.last = std::max(interval.last, timesteps[i][kept[i].back()]);
+  }
+  return interval;
+}
+
+/// Cameras of which the rest of the clip is not seen. Those that begin late end with the others,
+/// also where the window is so many frames.
+void keep_parts(const SharedTime& shared, const std::vector<std::vector<double>>& timesteps,
+                std::vector<std::vector<size_t>>& kept, Capture& capture) {
+  const TimeInterval clip = interval_of(kept, timesteps, shared.films_all_of);
+  std::vector<std::string> parts;
+  for (size_t i = 0; i < kept.size(); ++i) {
+    if (shared.films_all_of[i]) continue;
+    const RigClip& camera = capture.clips[i];
+    const double frame = camera.timeline.frame_seconds;
+    std::erase_if(kept[i], [&](size_t k) { return timesteps[i][k] >= clip.last + frame / 2; });
+    if (kept[i].empty()) continue;
+    const double first = timesteps[i][kept[i].front()], last = timesteps[i][kept[i].back()];
+    if (std::max(first - clip.first, clip.last - last) < kFrameAndHalf * frame) continue;
+    capture.partial.push_back(camera.name);
+    parts.push_back(fmt::format("{} ({:.3f} s)", camera.name, last - first));
+  }
+  if (!parts.empty())
+    capture.warnings.push_back(
+        fmt::format("{}: a part of the {:.3f} s of the clip; the other cameras alone show the rest",
+                    listed_names(parts), clip.last - clip.first));
 }
 
 }  // namespace
 
 void check_clips(Capture& capture, const IngestOptions& options) {
   check_start_of_longest(capture, options);
-  check_lengths(capture, options);
   const std::vector<std::string> names = clip_names(capture);
   std::vector<double> frame_seconds;
   std::vector<std::string> colours;
@@ -119,31 +136,26 @@ void check_clips(Capture& capture, const IngestOptions& options) {
 
 std::vector<std::vector<size_t>> kept_frames(Capture& capture, const FrameWindow& window,
                                              const std::vector<std::vector<double>>& timesteps) {
-  const TimeInterval common = common_interval(timesteps);
-  LimitedClip clip = limited_clip(clip_names(capture), timesteps, window);
-  const std::string limited = limit_warning(clip, capture.folder.string());
-  capture.limiting = std::move(clip.limiting);
-  if (common.empty())
+  const SharedTime shared = shared_time(timesteps, window);
+  if (shared.interval.empty())
     throw InputError(fmt::format(
         "{}: the cameras have no timestep in common; state their clocks with --offsets, or leave "
         "some out with --cameras",
         capture.folder.string()));
-  check_start(window, common, capture.folder.string());
-  if (limited.empty())
-    warn_of_ends(timesteps, common, capture);
-  else
-    capture.warnings.push_back(limited);
-  std::vector<std::vector<size_t>> chosen;
-  for (size_t i = 0; i < capture.clips.size(); ++i) {
-    chosen.push_back(choose_frames(timesteps[i], window, common));
-    if (chosen.back().empty())
+  check_start(window, shared.interval, capture.folder.string());
+  warn_of_ends(timesteps, shared.interval, capture);
+  std::vector<std::vector<size_t>> kept;
+  for (const std::vector<double>& of_clip : timesteps)
+    kept.push_back(choose_frames(of_clip, window, shared.interval));
+  keep_parts(shared, timesteps, kept, capture);
+  for (size_t i = 0; i < kept.size(); ++i)
+    if (kept[i].empty())
       throw InputError(fmt::format(
-          "{}: has no frame between {:.3f} s and {:.3f} s, where all cameras have some; change "
+          "{}: has no frame between {:.3f} s and {:.3f} s, where other cameras have some; change "
           "--start, --duration or --fps, state the clocks with --offsets, or leave the camera out "
           "with --cameras",
-          capture.clips[i].video.string(), common.first, common.last));
-  }
-  return chosen;
+          capture.clips[i].video.string(), shared.interval.first, shared.interval.last));
+  return kept;
 }
 
 }  // namespace tessera

@@ -1,5 +1,6 @@
 // Which frames of the clips of a rig are kept: those of the window that was asked for, within the
-// time that all clips show. Cameras that limit it, of another rate and of other colours are named.
+// time that they share. Cameras that film a part of it, of another rate and of other colours are
+// named.
 #pragma once
 #include <vector>
 
@@ -10,14 +11,13 @@
 namespace tessera {
 
 /// What the lengths, rates and colours of the clips tell before COLMAP has worked for minutes.
-/// Errors: InputError: --start is after the end of all clips; one camera is less than half as long
-/// as the others, without poses or stated clocks.
+/// Errors: InputError: --start is after the end of all clips.
 void check_clips(Capture& capture, const IngestOptions& options);
 
 /// Indices of the kept frames of each clip, increasing. `timesteps`: the times of each clip's
-/// frames on the rig's clock, seconds. What is lost as cameras begin or end apart is warned of.
-/// Errors: InputError: nothing in common, the window begins after the end, a camera that leaves
-/// less than half of what the others have, a camera without a frame in the window.
+/// frames on the rig's clock, seconds. What is lost as cameras begin or end apart is warned of, and
+/// so are those in Capture::partial. Errors: InputError: nothing in common, the window begins after
+/// the end, a camera without a frame in the window.
 std::vector<std::vector<size_t>> kept_frames(Capture& capture, const FrameWindow& window,
                                              const std::vector<std::vector<double>>& timesteps);
 

@@ -28,7 +28,7 @@ std::vector<int64_t> taken_ticks(const RigClip& clip, const FrameWindow& window)
   std::vector<double> seconds;
   for (size_t i = 0; i < clip.timeline.ticks.size(); ++i)
     seconds.push_back(clip.timeline.seconds(i));
-  const TimeInterval whole = common_interval({seconds});
+  const TimeInterval whole{seconds.front(), seconds.back()};
   check_start(window, whole, clip.video.string());
   const std::vector<size_t> chosen = choose_frames(seconds, window, whole);
   const bool is_stated = window.fps || window.duration || window.frames;

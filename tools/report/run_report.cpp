@@ -127,6 +127,18 @@ json views_of(const json& metrics) {
   return views;
 }
 
+/// Of the ingest, with what the training has learnt of clocks and readouts.
+json cameras_of(const json& ingest, const json& trained) {
+  const json& table = field_at(ingest, "camera_table");
+  json cameras = table.is_array() ? table : json::array();
+  for (json& camera : cameras) {
+    const std::string name = text_at(camera, "name");
+    camera["clock_learnt_s"] = or_null(number_at(field_at(trained, "clocks"), name.c_str()));
+    camera["readout_learnt_s"] = or_null(number_at(field_at(trained, "readouts"), name.c_str()));
+  }
+  return cameras;
+}
+
 json decisions_of(const std::vector<json>& events) {
   json decisions = json::array();
   for (const RunDecision& decision : run_decisions(events))
@@ -215,8 +227,7 @@ json run_report(const RunRecords& records) {
                     {"training", or_null(number_at(end, "seconds"))}};
   run["curves"] = to_json(curves);
   run["views"] = views_of(records.metrics);
-  const json& cameras = field_at(ingest, "camera_table");
-  run["cameras"] = cameras.is_array() ? cameras : json::array();
+  run["cameras"] = cameras_of(ingest, end);
   run["decisions"] = in_windows ? json::array() : decisions_of(events);
   run["warnings"] = warnings_of(ingest, all);
   if (in_windows) add_windows(records, run);

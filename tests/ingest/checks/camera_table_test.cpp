@@ -46,8 +46,11 @@ std::vector<CameraRow> odd_rows() {
   capture.clips[1].timeline.frame_seconds = 1 / 30.0;
   capture.clips[2].timeline.ticks.resize(6);
   capture.clips[2].timeline.width = 32;
-  capture.limiting = {"cam02"};
+  capture.partial = {"cam02"};
   capture.cameras[3].time_offset = -2 / 24.0;
+  capture.cameras[3].time_uncertainty = 0.25 / 24;
+  capture.cameras[3].time_source = "motion";
+  capture.clips[3].camera->camera.readout = 0.016;
   capture.clips[4].camera->reprojection_error = 1.5;
   return camera_table(capture);
 }
@@ -60,14 +63,14 @@ TEST(CameraTable, OddCamerasAreMarkedAndTheOthersAreListed) {
   EXPECT_FALSE(rows[0].is_odd() || rows[3].is_odd());
   EXPECT_EQ(rows[1].notes, Notes{"other rate"});
   EXPECT_NEAR(rows[1].frames_per_second, 30, 1e-9);
-  EXPECT_EQ(rows[2].notes, (Notes{"other size", "limits the clip"}));
+  EXPECT_EQ(rows[2].notes, (Notes{"other size", "part of the clip"}));
   EXPECT_EQ(rows[2].frames_in_file, 6);
   EXPECT_EQ(rows[2].frames_kept, 12);
   EXPECT_NEAR(rows[3].clock_offset_frames, -2, 1e-9);
   EXPECT_EQ(rows[4].notes, Notes{"large pose error"});
   EXPECT_EQ(leave_out_line(rows),
-            "leave out cam01 (other rate), cam02 (other size, limits the clip), cam04 (large pose "
-            "error): --cameras cam00,cam03,cam05,cam06,cam07,cam08,cam09");
+            "leave out cam01 (other rate), cam04 (large pose error): --cameras "
+            "cam00,cam02,cam03,cam05,cam06,cam07,cam08,cam09");
   Capture sizes = rig_of(3);
   sizes.clips[1].timeline.height = 36;
   EXPECT_EQ(camera_table(sizes)[1].notes, Notes{"other size"});
@@ -92,10 +95,10 @@ TEST(CameraTable, AClockIsUnknownWhereOthersHaveOne) {
 TEST(CameraTable, NoCameraIsLeftOutWhereFewWouldStay) {
   for (const size_t count : {6, 7}) {
     Capture capture = rig_of(int(count));
-    capture.limiting = {"cam03"};
+    capture.clips[3].timeline.frame_seconds = 1 / 30.0;
     EXPECT_EQ(leave_out_line(camera_table(capture)),
               count == 6 ? ""
-                         : "leave out cam03 (limits the clip): --cameras "
+                         : "leave out cam03 (other rate): --cameras "
                            "cam00,cam01,cam02,cam04,cam05,cam06");
   }
 }
@@ -125,7 +128,8 @@ TEST(CameraTableText, TextAndJsonStateTheSame) {
   EXPECT_TRUE(lines[0].starts_with("  camera  size "));
   EXPECT_EQ(
       lines[4],
-      "! cam03   64x48  24   12/12   0.25     -0.0833 (-2.00)  stated  0.50  3°    train  dark");
+      "! cam03   64x48  24   12/12   0.25     -0.0833 (-2.00±0.25)  motion  0.50  3°    train  "
+      "dark");
   EXPECT_EQ(table[3], (json{{"name", "cam03"},
                             {"width", 64},
                             {"height", 48},
@@ -136,7 +140,9 @@ TEST(CameraTableText, TextAndJsonStateTheSame) {
                             {"pose_error_px", 0.25},
                             {"clock_offset_s", -2 / 24.0},
                             {"clock_offset_frames", -2 / 24.0 / (1 / 24.0)},
-                            {"clock_source", "stated"},
+                            {"clock_error_frames", 0.25},
+                            {"clock_source", "motion"},
+                            {"readout_s", 0.016},
                             {"gain", 0.5},
                             {"roll_degrees", 3.0},
                             {"role", "train"},
@@ -149,7 +155,7 @@ TEST(CameraTableText, TextAndJsonStateTheSame) {
     for (const std::string& part :
          {table[i]["name"].get<std::string>(), frames, table[i]["role"].get<std::string>()})
       EXPECT_NE(lines[i + 1].find(part), std::string::npos) << part << "\n" << lines[i + 1];
-    EXPECT_LE(lines[i + 1].size(), 115u);
+    EXPECT_LE(lines[i + 1].size(), 120u);
   }
   EXPECT_TRUE(table[0]["pose_error_px"].is_null()) << "a held-out camera gives no points";
 }

@@ -23,16 +23,6 @@ std::vector<size_t> range(size_t first, size_t last, size_t step = 1) {
   return indices;
 }
 
-TEST(FrameWindow, CommonIntervalIsLatestFirstToEarliestLast) {
-  const TimeInterval common = common_interval({times(10, 10), times(10, 10, 0.25), {0.1, 5}});
-  EXPECT_DOUBLE_EQ(common.first, 0.25);
-  EXPECT_DOUBLE_EQ(common.last, 0.9);
-  EXPECT_FALSE(common.empty());
-  EXPECT_TRUE(common_interval({times(10, 10), times(10, 10, 3)}).empty());
-}
-
-// Clocks that differ by less than half a frame lose no frame. Bug put back: no tolerance; seen to
-// fail (the early camera loses its first frame, the late one its last).
 // Bug put back: the start is not compared; seen to fail.
 TEST(FrameWindow, AStartAfterTheEndIsNamed) {
   FrameWindow window;
@@ -46,13 +36,15 @@ TEST(FrameWindow, AStartAfterTheEndIsNamed) {
       {"capture: --start 100 s is after the end (0.958 s)"});
 }
 
+// Clocks that differ by less than half a frame lose no frame. Bug put back: no tolerance; seen to
+// fail (the early camera loses its first frame, the late one its last).
 TEST(FrameWindow, HalfAFrameOfToleranceAtBothEnds) {
   const auto early = times(30, 30, -0.4 / 30), late = times(30, 30, 0.05 / 30);
-  const TimeInterval common = common_interval({early, late});
+  const TimeInterval common{late.front(), early.back()};
   EXPECT_EQ(choose_frames(early, {}, common), range(0, 29));
   EXPECT_EQ(choose_frames(late, {}, common), range(0, 29));
   const auto two_frames_late = times(30, 30, 2 / 30.0);
-  const TimeInterval shorter = common_interval({early, two_frames_late});
+  const TimeInterval shorter{two_frames_late.front(), early.back()};
   EXPECT_EQ(choose_frames(early, {}, shorter), range(2, 29));
   EXPECT_EQ(choose_frames(two_frames_late, {}, shorter), range(0, 27));
 }

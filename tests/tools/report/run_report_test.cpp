@@ -47,6 +47,16 @@ std::string text_of(const json& report) {
   return text;
 }
 
+TEST(RunReport, CamerasHaveWhatTheTrainingLearnt) {
+  RunRecords records = usual_records();
+  records.stages["ingest"]["result"]["camera_table"] = {{{"name", "a"}}, {{"name", "b"}}};
+  records.log +=
+      lines({{{"event", "end"}, {"clocks", {{"a", 0.002}, {"b", -0.002}}}, {"readouts", nullptr}}});
+  EXPECT_EQ(run_report(records)["cameras"],
+            json::parse(R"([{"name": "a", "clock_learnt_s": 0.002, "readout_learnt_s": null},
+                            {"name": "b", "clock_learnt_s": -0.002, "readout_learnt_s": null}])"));
+}
+
 // Bug put back: a quote in a word ends the quotes around it; seen to fail.
 TEST(RunReport, TheCommandCanBeTypedAgain) {
   RunRecords records;

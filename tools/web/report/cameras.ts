@@ -6,7 +6,9 @@ import { fixed, UNKNOWN } from "./words";
 
 const CAPTION =
   "frames: kept of those in the file; pose: mean reprojection error of COLMAP's points in " +
-  "pixels, or where the pose comes from; clock: seconds (frames) added, and what they come from; " +
+  "pixels, or where the pose comes from; clock: seconds (frames ± standard error) added, and what " +
+  "they come from; learnt: what the training added to the clock, and to the time from the top row " +
+  "of a rolling shutter to the bottom one; " +
   "gain: brightness by the median camera's; roll: clockwise turn of the image.";
 
 function signed(value: number, digits: number): string {
@@ -14,10 +16,31 @@ function signed(value: number, digits: number): string {
 }
 
 function clock(camera: Camera): string {
-  if (camera.clock_offset_s === 0) return "0";
-  const seconds = signed(camera.clock_offset_s, 4);
-  if (camera.frames_per_second === null) return seconds;
-  return `${seconds} (${signed(camera.clock_offset_frames, 2)})`;
+  const { clock_offset_s: seconds, clock_error_frames: error } = camera;
+  const frames: string[] = [];
+  if (seconds !== 0 && camera.frames_per_second !== null)
+    frames.push(signed(camera.clock_offset_frames, 2));
+  if (error > 0) frames.push(`±${error.toFixed(2)}`);
+  const text = seconds === 0 ? "0" : signed(seconds, 4);
+  return frames.length > 0 ? `${text} (${frames.join("")})` : text;
+}
+
+/** Columns of what only some rigs have. */
+function shutterColumns(cameras: Camera[]): Column<Camera>[] {
+  const columns: [string, (camera: Camera) => number | null][] = [
+    ["readout ms", (c) => c.readout_s || null],
+    ["learnt clock ms", (c) => c.clock_learnt_s],
+    ["learnt readout ms", (c) => c.readout_learnt_s],
+  ];
+  return columns
+    .filter(([, seconds]) => cameras.some((camera) => seconds(camera) !== null))
+    .map(([name, seconds]) => ({
+      name,
+      cell: (camera) => {
+        const value = seconds(camera);
+        return value === null ? UNKNOWN : signed(1000 * value, 1);
+      },
+    }));
 }
 
 const COLUMNS: Column<Camera>[] = [
@@ -46,10 +69,11 @@ const COLUMNS: Column<Camera>[] = [
 
 export function camerasSection(run: Run): HTMLElement | null {
   if (run.cameras.length === 0) return null;
+  const columns = [...COLUMNS.slice(0, 7), ...shutterColumns(run.cameras), ...COLUMNS.slice(7)];
   const odd = (camera: Camera) => (camera.notes.length > 0 ? "odd" : null);
   return section(
     "Cameras",
-    make("div", { class: "card" }, table("cameras", COLUMNS, run.cameras, odd),
+    make("div", { class: "card" }, table("cameras", columns, run.cameras, odd),
       make("p", { class: "soft" }, CAPTION)),
   );
 }

@@ -116,7 +116,11 @@ export interface Camera {
   pose_error_px: number | null;
   clock_offset_s: number;
   clock_offset_frames: number;
+  clock_error_frames: number; // 0: stated, or not known
   clock_source: string;
+  readout_s: number; // as it is stated; 0: none
+  clock_learnt_s: number | null; // what the training added
+  readout_learnt_s: number | null;
   gain: number | null;
   roll_degrees: number | null;
   role: "test" | "train";
