@@ -11,7 +11,7 @@ executions=${1:-20000}
 shift || true
 readers=("$@")
 if [ ${#readers[@]} -eq 0 ]; then
-  readers=(ply png sog splat spz model tessera4d transforms calibration profile view)
+  readers=(ply png sog splat spz glb lines model tessera4d transforms calibration profile view)
 fi
 build=build/fuzz
 compiler=$(compgen -c clang++- | grep -E '^clang\+\+-[0-9]+$' | sort -V | head -1)
@@ -29,8 +29,10 @@ status=0
 for reader in "${readers[@]}"; do
   mkdir -p "$TMPDIR/found"
   log=$build/$reader.log
+  longest=4096
+  [ "$reader" != lines ] || longest=16384  # codebooks of 256 numbers in text
   # 512 MB in all and at once: what a file promises must not be believed
-  $build/tests/fuzz/fuzz_"$reader" -runs="$executions" -seed="${FUZZ_SEED:-1}" -max_len=4096 -timeout=10 \
+  $build/tests/fuzz/fuzz_"$reader" -runs="$executions" -seed="${FUZZ_SEED:-1}" -max_len="$longest" -timeout=10 \
     -rss_limit_mb=512 -malloc_limit_mb=512 -dict=tests/fuzz/words.dict -print_final_stats=1 \
     -artifact_prefix=$build/crashes/"$reader"- "$TMPDIR/found" "$TMPDIR/seeds/$reader" \
     >"$log" 2>&1 && crashes=0 || crashes=1

@@ -196,6 +196,29 @@ const PlyElement* PlyFile::find(const std::string& element) const {
   return nullptr;
 }
 
+std::vector<double> comment_numbers(const std::filesystem::path& path,
+                                    const std::vector<std::string>& comments,
+                                    const std::string& key, size_t count) {
+  for (const std::string& comment : comments) {
+    if (comment.rfind(key + " ", 0) != 0) continue;
+    std::vector<double> numbers;
+    const char* cursor = comment.data() + key.size();
+    const char* const end = comment.data() + comment.size();
+    while (cursor < end && *cursor == ' ') {
+      double value = 0;
+      const auto parsed = std::from_chars(cursor + 1, end, value);
+      if (parsed.ec != std::errc() || !std::isfinite(value)) break;
+      numbers.push_back(value);
+      cursor = parsed.ptr;
+    }
+    if (numbers.size() == count && cursor == end) return numbers;
+    throw InputError(
+        fmt::format("{}: comment '{}' is malformed, expected {} numbers, finite; export again",
+                    path.string(), comment, count));
+  }
+  return {};
+}
+
 PlyFile read_ply(const std::filesystem::path& path) {
   const std::string bytes = read_text_file(path);
   const PlyHeader header = parse_ply_header(path, bytes);

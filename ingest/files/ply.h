@@ -32,6 +32,12 @@ struct PlyFile {
   const PlyElement* find(const std::string& element) const;
 };
 
+/// Numbers behind `key` in the comments, finite; none where it is not there. fmt writes the
+/// shortest text that reads back bit-equal. Errors: InputError: other than `count` numbers.
+std::vector<double> comment_numbers(const std::filesystem::path& path,
+                                    const std::vector<std::string>& comments,
+                                    const std::string& key, size_t count);
+
 /// Errors: InputError naming the file: not a PLY, bad header, truncated (rows promised and found).
 /// Counts are checked against the file's size before memory is taken.
 PlyFile read_ply(const std::filesystem::path& path);

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -30,36 +29,11 @@ std::vector<std::string> environment_columns() {
   return {"red", "green", "blue"};
 }
 
-/// Numbers behind `key` in the comments; none when it is not there. fmt writes the shortest text
-/// that reads back bit-equal.
-std::vector<double> numbers_if_any(const std::filesystem::path& path,
-                                   const std::vector<std::string>& comments, const std::string& key,
-                                   size_t count) {
-  for (const std::string& comment : comments) {
-    if (comment.rfind(key + " ", 0) != 0) continue;
-    std::vector<double> numbers;
-    const char* cursor = comment.data() + key.size();
-    const char* const end = comment.data() + comment.size();
-    while (cursor < end && *cursor == ' ') {
-      double value = 0;
-      const auto parsed = std::from_chars(cursor + 1, end, value);
-      if (parsed.ec != std::errc() || !std::isfinite(value)) break;
-      numbers.push_back(value);
-      cursor = parsed.ptr;
-    }
-    if (numbers.size() == count && cursor == end) return numbers;
-    throw InputError(
-        fmt::format("{}: comment '{}' is malformed, expected {} numbers, finite; export again",
-                    path.string(), comment, count));
-  }
-  return {};
-}
-
-/// The same, of a comment that every file has.
+/// Of a comment that every file has.
 std::vector<double> numbers_of(const std::filesystem::path& path,
                                const std::vector<std::string>& comments, const std::string& key,
                                size_t count) {
-  std::vector<double> numbers = numbers_if_any(path, comments, key, count);
+  std::vector<double> numbers = comment_numbers(path, comments, key, count);
   if (!numbers.empty()) return numbers;
   throw InputError(fmt::format(
       "{}: no comment '{}', expected a Tessera 4D .ply; a 3DGS .ply is read as a static model",
@@ -91,7 +65,7 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
         fmt::format("{}: format version {}, this program reads {} and {}; use the program "
                     "that wrote it or export again",
                     path.string(), version, kFormatVersion, kNodesVersion));
-  const bool has_nodes = !numbers_if_any(path, comments, kNodesKey, 2).empty();
+  const bool has_nodes = !comment_numbers(path, comments, kNodesKey, 2).empty();
   if (has_nodes != (version == kNodesVersion))
     throw InputError(fmt::format("{}: format version {} {} motion nodes; export again",
                                  path.string(), version, has_nodes ? "with" : "without"));
@@ -155,7 +129,7 @@ std::vector<float> rows_of(const std::filesystem::path& path, const PlyFile& fil
 EnvironmentLight read_environment(const std::filesystem::path& path, const PlyFile& file) {
   EnvironmentLight environment;
   const auto numbers =
-      numbers_if_any(path, file.comments, kEnvironmentElement, 1 + kSimilarityNumbers);
+      comment_numbers(path, file.comments, kEnvironmentElement, 1 + kSimilarityNumbers);
   if (numbers.empty()) return environment;
   const PlyElement* const element = file.find(kEnvironmentElement);
   const bool plausible = numbers[0] >= 1 && numbers[0] <= 1 << 16;
@@ -219,7 +193,7 @@ GaussianModel load_model(const std::filesystem::path& path) {
   if (static_element == nullptr)
     throw InputError(fmt::format("{}: no element '{}', expected a Tessera 4D .ply; export again",
                                  path.string(), kStaticElement));
-  const auto counts = numbers_if_any(path, file.comments, kNodesKey, 2);
+  const auto counts = comment_numbers(path, file.comments, kNodesKey, 2);
   if (!counts.empty()) model.nodes = read_nodes(path, file, counts[0], counts[1]);
   model.static_set = read_splats(path, *static_element,
                                  model.nodes.empty() ? SetForm::kStatic : SetForm::kCanonical);

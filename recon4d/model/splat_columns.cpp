@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/ply_header.h"
 #include "kernels/base/errors.h"
@@ -32,6 +35,7 @@ void append_level(std::vector<SplatColumn>& columns, int coefficients, int n) {
 }
 
 std::vector<SplatColumn> columns_of(const SplatElement& element) {
+  if (!element.columns.empty()) return element.columns;
   return splat_columns(element.set->form(), element.coefficients, element.set->time_levels());
 }
 
@@ -68,19 +72,6 @@ void write_rows(AtomicFile& output, const SplatElement& element) {
         block.push_back(column.group ? values.at(*column.group, n)[column.offset] : 0.0f);
     output.write(block.data(), block.size() * sizeof(float));
   }
-}
-
-/// 1, 4, 9 or 16.
-int stored_coefficients(const std::filesystem::path& path, const PlyElement& element) {
-  int rest = 0;
-  for (const PlyColumn& column : element.columns)
-    if (column.name.rfind("f_rest_", 0) == 0) ++rest;
-  for (int degree = 0; degree <= kMaxShDegree; ++degree)
-    if (rest == 3 * (sh_coefficients(degree) - 1)) return sh_coefficients(degree);
-  throw InputError(fmt::format(
-      "{}: element '{}' has {} f_rest properties, expected 0, 9, 24 or 45 (SH degree 0 to 3); "
-      "export it with a whole degree",
-      path.string(), element.name, rest));
 }
 
 /// Levels of which there is a first property.
@@ -154,13 +145,32 @@ std::vector<float> read_floats(const std::filesystem::path& path, const PlyEleme
   return values;
 }
 
+int stored_coefficients(const std::filesystem::path& path, const PlyElement& element) {
+  int rest = 0;
+  for (const PlyColumn& column : element.columns)
+    if (column.name.rfind("f_rest_", 0) == 0) ++rest;
+  for (int degree = 0; degree <= kMaxShDegree; ++degree)
+    if (rest == 3 * (sh_coefficients(degree) - 1)) return sh_coefficients(degree);
+  throw InputError(fmt::format(
+      "{}: element '{}' has {} f_rest properties, expected 0, 9, 24 or 45 (SH degree 0 to 3); "
+      "export it with a whole degree",
+      path.string(), element.name, rest));
+}
+
 GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element,
                         SetForm form) {
   const int coefficients = stored_coefficients(path, element);
   const int levels = is_dynamic(form) ? stored_levels(element) : 0;
+  return read_columns(path, element, splat_columns(form, coefficients, levels), form, coefficients,
+                      levels);
+}
+
+GaussianSet read_columns(const std::filesystem::path& path, const PlyElement& element,
+                         const std::vector<SplatColumn>& columns, SetForm form, int coefficients,
+                         int time_levels) {
   // All columns before any memory: a row of the file may be a byte where a Gaussian is hundreds.
   std::vector<std::pair<SplatColumn, const PlyColumn*>> found;
-  for (const SplatColumn& column : splat_columns(form, coefficients, levels)) {
+  for (const SplatColumn& column : columns) {
     if (!column.group) continue;
     found.emplace_back(column, element.find(column.name));
     if (found.back().second == nullptr)
@@ -169,9 +179,11 @@ GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& ele
           "again",
           path.string(), element.name, column.name));
   }
-  GaussianSet set(form, coefficients, host_memory(), levels);
+  GaussianSet set(form, coefficients, host_memory(), time_levels);
   set.resize(element.rows);
   const GaussianSpans<float> values = set.values();
+  for (int g = 0; g < set.groups(); ++g)
+    std::fill_n(values.group[g].data, values.group[g].size, 0.0f);
   for (const auto& [column, stored] : found)
     for (int64_t n = 0; n < element.rows; ++n)
       values.at(*column.group, n)[column.offset] = float(stored->values[size_t(n)]);

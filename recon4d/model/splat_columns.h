@@ -33,6 +33,7 @@ struct SplatElement {
   std::string name;
   const GaussianSet* set = nullptr;
   int coefficients = 0;
+  std::vector<SplatColumn> columns{};  // of another program; empty: splat_columns
 };
 
 /// Rows of floats that are no Gaussians, after the sets in the file.
@@ -56,5 +57,13 @@ void write_splats(const std::filesystem::path& path, const std::vector<std::stri
 /// InputError naming `path`, the element and the property that is missing, or the count of f_rest
 /// that fits no degree.
 GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, SetForm form);
+
+/// The same with the columns of another program, for K coefficients; what has no column is 0.
+GaussianSet read_columns(const std::filesystem::path& path, const PlyElement& element,
+                         const std::vector<SplatColumn>& columns, SetForm form, int coefficients,
+                         int time_levels = 0);
+
+/// K by the number of f_rest columns: 1, 4, 9 or 16. Errors: InputError: that of no degree.
+int stored_coefficients(const std::filesystem::path& path, const PlyElement& element);
 
 }  // namespace tessera

@@ -104,8 +104,8 @@ void SequenceWriter::write_frame(size_t i, const SlicedModel& sliced, double tim
     }
   }
   const std::filesystem::path path = folder_ / name(i);
-  frame.out_of_range =
-      save_splat_file(format_, path, select_elements(slice, rows), model_.drawing.sh_degree);
+  frame.out_of_range = save_splat_file(format_, path, select_elements(slice, rows),
+                                       {model_.drawing.sh_degree, model_.drawing.filter_2d});
   frame.gaussians = int64_t(rows.size()) - frame.out_of_range;
   bytes_[i] = int64_t(std::filesystem::file_size(path));
 }

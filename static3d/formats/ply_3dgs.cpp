@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/lower_case.h"
 #include "kernels/math/spherical_harmonics.h"
 #include "recon4d/model/splat_columns.h"
 
@@ -59,6 +60,19 @@ GaussianSet read_plain(const std::filesystem::path& path, const PlyFile& file,
   return set;
 }
 
+/// By the last comment that says how the splats are drawn.
+bool says_antialiased(const std::vector<std::string>& comments) {
+  bool antialiased = false;
+  for (const std::string& comment : comments) {
+    const std::string text = lower_case(comment);
+    const size_t value = text.find_last_not_of(' ') + 1;
+    const std::string_view words = std::string_view(text).substr(0, value);
+    if (words.starts_with("splatrendermode:")) antialiased = words.ends_with("mip");
+    if (words.starts_with("antialiased ")) antialiased = words.ends_with("1");
+  }
+  return antialiased;
+}
+
 }  // namespace
 
 SplatFile load_ply_splats(const std::filesystem::path& path) {
@@ -68,11 +82,15 @@ SplatFile load_ply_splats(const std::filesystem::path& path) {
   SplatFile result;
   result.set = is_compressed_splat(file) ? decode_compressed_splat(path, file)
                                          : read_plain(path, file, result.warnings);
+  result.drawing.antialiased = says_antialiased(file.comments);
   return result;
 }
 
-void save_ply_3dgs(const std::filesystem::path& path, const GaussianSet& set, int sh_degree) {
-  write_splats(path, {}, {{"vertex", &set, sh_coefficients(sh_degree)}});
+void save_ply_3dgs(const std::filesystem::path& path, const GaussianSet& set,
+                   const SplatDrawing& drawing) {
+  std::vector<std::string> comments;
+  if (drawing.antialiased) comments.emplace_back(kAntialiasedComment);
+  write_splats(path, comments, {{"vertex", &set, sh_coefficients(drawing.sh_degree)}});
 }
 
 }  // namespace tessera

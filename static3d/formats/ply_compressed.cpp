@@ -138,9 +138,10 @@ uint32_t packed_colour(const ChunkRange& range, const std::array<float, 9>& v, f
          bits_of(range.unit(8, v[8]), 8) << 8 | opacity_byte(logit);
 }
 
-std::string header(int64_t count, int rest) {
-  std::string text = fmt::format("ply\nformat binary_little_endian 1.0\nelement chunk {}\n",
-                                 (count + kSplatsPerChunk - 1) / kSplatsPerChunk);
+std::string header(int64_t count, int rest, bool antialiased) {
+  std::string text = "ply\nformat binary_little_endian 1.0\n";
+  if (antialiased) text += fmt::format("comment {}\n", kAntialiasedComment);
+  text += fmt::format("element chunk {}\n", (count + kSplatsPerChunk - 1) / kSplatsPerChunk);
   for (const char* group : {"x y z", "scale_x scale_y scale_z", "r g b"})
     for (const char* end : {"min", "max"}) {
       std::string_view names = group;
@@ -214,13 +215,13 @@ GaussianSet decode_compressed_splat(const std::filesystem::path& path, const Ply
 }
 
 int64_t save_compressed_splat(const std::filesystem::path& path, const GaussianSet& set,
-                              int sh_degree) {
+                              const SplatDrawing& drawing) {
   const HeldRows held = rows_in_chunks(set.values(), kSplatsPerChunk);
   const GaussianSet ordered = select_elements(set, held.rows);
   const GaussianSpans<const float> values = ordered.values();
   const int64_t count = ordered.count();
-  const int rest = sh_coefficients(sh_degree) - 1;
-  std::string bytes = header(count, rest), splats, sh;
+  const int rest = sh_coefficients(drawing.sh_degree) - 1;
+  std::string bytes = header(count, rest, drawing.antialiased), splats, sh;
   for (int64_t begin = 0; begin < count; begin += kSplatsPerChunk) {
     const int64_t end = std::min(begin + kSplatsPerChunk, count);
     const ChunkRange range(values, begin, end);

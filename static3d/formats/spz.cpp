@@ -35,6 +35,8 @@ constexpr uint64_t kMostExtra = 1 << 20;  // behind the columns: extensions
 constexpr uint64_t kMostPacked = 2000;    // bytes that one of zstd may promise; gzip ends at 1032
 constexpr uint64_t kMostUnasked = 64 << 20;  // bytes that may be promised by as few as there are
 
+constexpr uint8_t kAntialiased = 1;  // of the flags
+
 struct SpzHeader {
   uint32_t magic = kSpzMagic, version = 3, count = 0;
   uint8_t sh_degree = 0, fraction_bits = kFractionBits, flags = 0, streams = 0;
@@ -358,19 +360,21 @@ SplatFile load_spz(const std::filesystem::path& path) {
   result.set.resize(int64_t(header.count));
   decode(header, columns, result.set);
   flip_axes(result.set, kRightUpBack);
+  result.drawing.antialiased = (header.flags & kAntialiased) != 0;
   return result;
 }
 
-int64_t save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_degree,
-                 int version) {
+int64_t save_spz(const std::filesystem::path& path, const GaussianSet& set,
+                 const SplatDrawing& drawing, int version) {
   const SpzMeans means = means_in_range(path, set.values());
   GaussianSet flipped = select_elements(set, means.held.rows);
   flip_axes(flipped, kRightUpBack);
   SpzHeader header;
   header.version = uint32_t(version);
   header.count = uint32_t(flipped.count());
-  header.sh_degree = uint8_t(std::min(sh_degree, sh_degree_of(set.coefficients())));
+  header.sh_degree = uint8_t(drawing.sh_degree);
   header.fraction_bits = uint8_t(means.fraction_bits);
+  if (drawing.antialiased) header.flags = kAntialiased;
   const auto left_out = int64_t(means.held.beyond.size());
   const std::vector<std::string> streams = streams_of(std::as_const(flipped).values(), header);
   if (version == 4) {

@@ -10,7 +10,6 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/load_gaussian.h"
-#include "recon4d/evaluation/render.h"
 #include "recon4d/model/element_edits.h"
 #include "static3d/tessera4d/node_streams.h"
 #include "static3d/tessera4d/segments.h"
@@ -19,27 +18,6 @@
 
 namespace tessera {
 namespace {
-
-/// Velocity form; the temporal filter in σ_t; colours of each Gaussian's own timestep: Δ = 0.
-GaussianSet plain_dynamic(const GaussianModel& model) {
-  const GaussianSet moving = in_form(model.dynamic_set, SetForm::kVelocity);
-  GaussianSet plain(SetForm::kVelocity, moving.coefficients());
-  plain.resize(moving.count());
-  const GaussianSpans<const float> from = moving.values();
-  const GaussianSpans<float> to = plain.values();
-  for (int g = 0; g < kGroupCount; ++g)
-    if (g != kShTime) std::copy_n(from.group[g].data, from.group[g].size, to.group[g].data);
-  const ColourRules<float> colours =
-      make_colour_rules<float>(render_options(model), from.coefficients, from.time_levels);
-  for (int64_t n = 0; n < from.count; ++n) {
-    add_levels(colours, 0.0f, from.at(kShTime, n), to.at(kSh, n));
-    if (!(model.drawing.time_filter > 0)) continue;
-    const double variance =
-        std::exp(2 * double(*from.at(kLogScaleTime, n))) + model.drawing.time_filter;
-    *to.at(kLogScaleTime, n) = float(0.5 * std::log(variance));
-  }
-  return plain;
-}
 
 /// Of a canonical set what a static one has.
 GaussianSet in_static_form(GaussianSet set) {
@@ -158,7 +136,7 @@ void BlocksWriter::add_static(const GaussianSet& set, const MotionNodes& nodes) 
 }
 
 void BlocksWriter::add_dynamic(const GaussianModel& model, int window) {
-  const GaussianSet moving = plain_dynamic(model);
+  const GaussianSet moving = plain_velocity_form(model);
   const GaussianSpans<const float> values = moving.values();
   manifest_.non_finite += model.dynamic_set.count() - moving.count();
   TimeAxis seconds = clip_;

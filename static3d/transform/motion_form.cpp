@@ -10,6 +10,7 @@
 #include "kernels/load_gaussian.h"
 #include "kernels/math/eigen3.h"
 #include "kernels/math/four_rotation.h"
+#include "recon4d/evaluation/render.h"
 #include "recon4d/model/element_edits.h"
 
 namespace tessera {
@@ -70,6 +71,26 @@ GaussianSet in_form(const GaussianSet& dynamic_set, SetForm form) {
       form == SetForm::kVelocity ? to_velocity(from, to, n) : to_pair(from, to, n);
   });
   return result;
+}
+
+GaussianSet plain_velocity_form(const GaussianModel& model) {
+  const GaussianSet moving = in_form(model.dynamic_set, SetForm::kVelocity);
+  GaussianSet plain(SetForm::kVelocity, moving.coefficients());
+  plain.resize(moving.count());
+  const GaussianSpans<const float> from = moving.values();
+  const GaussianSpans<float> to = plain.values();
+  for (int g = 0; g < kGroupCount; ++g)
+    if (g != kShTime) std::copy_n(from.group[g].data, from.group[g].size, to.group[g].data);
+  const ColourRules<float> colours =
+      make_colour_rules<float>(render_options(model), from.coefficients, from.time_levels);
+  for (int64_t n = 0; n < from.count; ++n) {
+    add_levels(colours, 0.0f, from.at(kShTime, n), to.at(kSh, n));
+    if (!(model.drawing.time_filter > 0)) continue;
+    const double variance =
+        std::exp(2 * double(*from.at(kLogScaleTime, n))) + model.drawing.time_filter;
+    *to.at(kLogScaleTime, n) = float(0.5 * std::log(variance));
+  }
+  return plain;
 }
 
 }  // namespace tessera

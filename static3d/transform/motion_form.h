@@ -8,4 +8,8 @@ namespace tessera {
 /// as before to rounding. Unsound Gaussians (recon4d/model/element_edits.h) are left out.
 GaussianSet in_form(const GaussianSet& dynamic_set, SetForm form);
 
+/// The dynamic set in the form kVelocity, with the temporal filter in σ_t and the colours of each
+/// Gaussian's own timestep: without levels of time.
+GaussianSet plain_velocity_form(const GaussianModel& model);
+
 }  // namespace tessera

@@ -46,7 +46,7 @@ void write_windows(const std::filesystem::path& folder, const GaussianModel& fir
     const int window = window_at(read.windows(), kTimes[i]);
     const GaussianModel model = read.load(window);
     save_splat_file(splat_format("ply"), folder / fmt::format("few_windows_{:04}.ply", i),
-                    Slicer(model).at(window_time(windows[size_t(window)], kTimes[i])), 3);
+                    Slicer(model).at(window_time(windows[size_t(window)], kTimes[i])), {3});
   }
 }
 

@@ -15,6 +15,7 @@
 #include "ingest/files/png.h"
 #include "recon4d/model/model_file.h"
 #include "static3d/formats/splat_file.h"
+#include "static3d/line_motion/line_formats.h"
 #include "static3d/tessera4d/block.h"
 
 namespace tessera::testing {
@@ -59,7 +60,6 @@ GaussianModel model_with_nodes() {
 
 void write_splats(const fs::path& folder) {
   for (const SplatFormat& format : splat_formats()) {
-    if (!format.is_read) continue;
 #ifndef TESSERA_HAS_WEBP
     if (std::string(format.name) == "sog") continue;
 #endif
@@ -67,7 +67,7 @@ void write_splats(const fs::path& folder) {
     const fs::path place = folder / (is_ply ? "ply" : format.name);
     for (const int degree : {0, 1, 3})
       save_splat_file(format, place / (std::string(format.name) + std::to_string(degree)),
-                      some_set(SetForm::kStatic, degree == 3 ? 5 : 2, 16), degree);
+                      some_set(SetForm::kStatic, degree == 3 ? 5 : 2, 16), {degree});
   }
   write_text_file(folder / "ply/ascii",
                   "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 1\n"
@@ -77,6 +77,18 @@ void write_splats(const fs::path& folder) {
                   "property float rot_0\nproperty float rot_1\nproperty float rot_2\n"
                   "property float rot_3\nelement face 1\nproperty list uchar int vertex_indices\n"
                   "end_header\n0 1 2 .1 .2 .3 1 -1 -2 -3 1 0 0 0\n3 0 0 0\n");
+}
+
+void write_lines(const fs::path& folder) {
+  for (const LineFormat& format : line_formats()) {
+#ifndef TESSERA_HAS_WEBP
+    if (!std::string(format.extension).ends_with(".ply")) continue;
+#endif
+    for (const int coefficients : {1, 16}) {
+      const GaussianModel model = some_model(SetForm::kVelocity, coefficients);
+      format.save(folder / (std::string(format.name) + std::to_string(coefficients)), model, 0);
+    }
+  }
 }
 
 /// Versions 2 and 4 and what gzip hides, from a file of version 3.
@@ -226,6 +238,7 @@ int main(int argc, char** argv) {
   const fs::path folder = argv[1];
   write_splats(folder);
   write_spz_versions(folder / "spz");
+  write_lines(folder / "lines");
   write_models(folder);
   write_transforms(folder);
   write_images(folder / "png");

@@ -12,6 +12,7 @@
 #include "recon4d/model/model_file.h"
 #include "recon4d/options/train_options.h"
 #include "static3d/formats/splat_file.h"
+#include "static3d/line_motion/line_formats.h"
 #include "static3d/tessera4d/tessera4d.h"
 #include "static3d/tessera4d/windowed_file.h"
 #include "tools/session/run_folder.h"
@@ -23,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kAccepted =
     "expected a run folder, a checkpoint, a Tessera 4D .ply, .t4d or folder, or splats (.ply, "
-    ".spz, .sog, .splat)";
+    ".ftgs.ply, .sogst.ply, .spz, .sog, .splat)";
 
 fs::path model_file_of(const fs::path& path) {
   if (!fs::exists(path))
@@ -40,11 +41,8 @@ fs::path model_file_of(const fs::path& path) {
 
 GaussianModel from_splats(const fs::path& path, std::vector<std::string>& warnings) {
   SplatFile file = load_splat_file(path);
-  GaussianModel model;
-  model.static_set = std::move(file.set);
-  model.drawing.sh_degree = file.sh_degree;
   warnings = std::move(file.warnings);
-  return model;
+  return model_of(std::move(file));
 }
 
 /// One window that is the whole clip.
@@ -119,6 +117,7 @@ ModelKind model_kind(const fs::path& file) {
   if (start == "TESSCKPT") return ModelKind::kCheckpoint;
   if (is_tessera4d(start)) return ModelKind::kTessera4d;
   if (start.starts_with("ply") && is_tessera_model(file)) return ModelKind::kTesseraPly;
+  if (is_line_file(file)) return ModelKind::kLines;
   return is_splat_file(file, start) ? ModelKind::kSplats : ModelKind::kNone;
 }
 
@@ -143,6 +142,12 @@ Clip load_clip(const fs::path& path) {
       take_tessera4d(
           clip.file.filename() == kTessera4dManifest ? clip.file.parent_path() : clip.file, clip);
       return clip;
+    case ModelKind::kLines: {
+      LineFile lines = load_line_file(clip.file);
+      take_model(std::move(lines.model), clip);
+      clip.warnings = std::move(lines.warnings);
+      break;
+    }
     case ModelKind::kSplats:
       take_model(from_splats(clip.file, clip.warnings), clip);
       break;

@@ -40,10 +40,14 @@ struct Clip {
 /// load_model, at once or when a window is loaded.
 Clip load_clip(const std::filesystem::path& path);
 
-/// By the first bytes; kSplats: a .ply without Tessera's comment, which may be a point cloud, .spz,
-/// and .splat by its name. A Tessera 4D folder is known by its manifest.
-enum class ModelKind { kNone, kCheckpoint, kTesseraPly, kTessera4d, kSplats };
+/// By the first bytes; kLines: 4D splats of other programs; kSplats: a .ply without Tessera's
+/// comment, which may be a point cloud, .spz, and .splat by its name. A Tessera 4D folder is known
+/// by its manifest.
+enum class ModelKind { kNone, kCheckpoint, kTesseraPly, kTessera4d, kLines, kSplats };
 ModelKind model_kind(const std::filesystem::path& file);
+inline bool is_of_other_program(ModelKind kind) {
+  return kind == ModelKind::kLines || kind == ModelKind::kSplats;
+}
 
 /// Another background, of --background's words, in place of the model's and of its environment; ""
 /// leaves both. Errors: as parse_background.

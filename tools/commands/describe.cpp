@@ -136,6 +136,8 @@ json describe_file(const fs::path& path, bool with_shipped) {
       return describe_model("Tessera 4D model", path, with_shipped);
     case ModelKind::kTessera4d:
       return describe_tessera4d(path, with_shipped);
+    case ModelKind::kLines:
+      return describe_model("4D splats", path, with_shipped);
     case ModelKind::kSplats: {
       const std::string text = read_text_file(path);
       if (!text.starts_with("ply")) return describe_model("splats", path, with_shipped);

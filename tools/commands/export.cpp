@@ -8,12 +8,14 @@
 #include "kernels/base/parallel.h"
 #include "recon4d/options/nearest_name.h"
 #include "static3d/formats/splat_file.h"
+#include "static3d/line_motion/line_formats.h"
 #include "static3d/transform/world_change.h"
 #include "tools/cli/command.h"
 #include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
 #include "tools/clip/clip.h"
 #include "tools/export/clean_model.h"
+#include "tools/export/export_loss.h"
 #include "tools/export/formats.h"
 
 namespace tessera {
@@ -34,6 +36,7 @@ void check_format(const std::string& name) {
 /// No option is there for nothing.
 void check_options(const ExportRequest& request, const TimeFormat* in_time) {
   const bool tessera4d = in_time != nullptr && in_time->is_tessera4d;
+  const bool has_rate = in_time != nullptr && in_time->has_rate;
   const bool one_file = request.single || request.format == "html";
   const bool has_page = request.page || request.format == "page" || request.format == "html";
   const ExportTimes& times = request.times;
@@ -45,15 +48,15 @@ void check_options(const ExportRequest& request, const TimeFormat* in_time) {
       {"--frames", times.frames.has_value(), in_time == nullptr, "frames (ply, spz, …)"},
       {"--time", times.time.has_value(), in_time == nullptr, "frames (ply, spz, …)"},
       {"--range", !times.range.empty(), in_time == nullptr, "frames (ply, spz, …)"},
-      {"--fps", times.fps.has_value(), in_time == nullptr || tessera4d, "all but model"},
+      {"--fps", times.fps.has_value(), in_time == nullptr || has_rate, "all but model"},
       {"--page", request.page, in_time == nullptr, "frames; --format page has it already"},
       {"--spz-version", request.spz_version != 3, request.format == "spz", "spz"},
       {"--single", request.single, request.format == "tessera", "tessera"},
       {"--lossless", request.lossless, tessera4d, "tessera, page and html"},
       {"--segment", request.segment_seconds != 1, tessera4d, "tessera, page and html"},
       {"--cameras", !request.cameras.empty(),
-       tessera4d || request.page || request.clean.value_or(false),
-       "tessera, page, html, and frames with --page or --clean"},
+       has_rate || request.page || request.clean.value_or(false),
+       "formats that hold time but model, and frames with --page or --clean"},
       {"--title", !request.title.empty(), has_page, "pages: page, html and frames with --page"},
       {"--description", !request.description.empty(), has_page,
        "pages: page, html and frames with --page"},
@@ -68,10 +71,14 @@ void check_options(const ExportRequest& request, const TimeFormat* in_time) {
                                    request.single ? " --single" : ""));
 }
 
-/// With the dilation and the cut-off that 3DGS files do not name because all have them.
-bool drawn_as_players_do(const GaussianModel& model) {
-  return !model.drawing.filter_2d && !model.drawing.truncation_by_falloff &&
-         model.drawing.truncation_sigma == kTruncationSigma;
+/// With the cut-off that splat files do not name because all have it.
+bool is_cut_as_players_do(const GaussianModel& model) {
+  return !model.drawing.truncation_by_falloff && model.drawing.truncation_sigma == kTruncationSigma;
+}
+
+/// Whether viewers can read in the files that they are drawn antialiased.
+bool has_mark(const std::string& format) {
+  return find_time_format(format) == nullptr && splat_format(format).has_mark;
 }
 
 /// Whether a Gaussian has another colour at another time.
@@ -82,12 +89,20 @@ bool colours_follow_time(const GaussianModel& model) {
 }
 
 void warn_of_losses(const GaussianModel& model, const std::string& name,
-                    const TimeFormat* in_time) {
-  if (in_time == nullptr && !drawn_as_players_do(model))
+                    const ExportRequest& request) {
+  const TimeFormat* const in_time = find_time_format(request.format);
+  const bool is_ours = in_time != nullptr && find_line_format(request.format) == nullptr;
+  if (!is_ours && !is_cut_as_players_do(model))
     warn(
-        fmt::format("{}: was trained with another filter or truncation than players of 3DGS files "
-                    "have; its frames look different there; --format tessera keeps them",
+        fmt::format("{}: was trained with another truncation than players of splats have; it looks "
+                    "different there; --format tessera keeps it",
                     name));
+  if (!is_ours && model.drawing.filter_2d && !has_mark(request.format))
+    warn(fmt::format(
+        "{}: was trained antialiased (mip), which --format {} cannot say; switch it on in the "
+        "viewer, or take ply, compressed, spz or sog, which say it, or train with --filter-2d "
+        "false",
+        name, request.format));
   if (in_time != nullptr && in_time->keeps_environment) return;
   if (model.environment.height > 0)
     warn(fmt::format("{}: its environment is not in what is exported; --format model keeps it",
@@ -126,6 +141,7 @@ std::string written_text(const ExportRequest& request, const nlohmann::json& res
   if (result.contains("windows"))
     text += fmt::format("; {} windows, at most {} Gaussians at a time",
                         result["windows"].get<int64_t>(), result["peak_gaussians"].get<int64_t>());
+  text += loss_text(result);
   if (!result["floaters"].is_null())
     text += fmt::format(", {} floaters left out", result["floaters"].get<int64_t>());
   return text;
@@ -146,7 +162,8 @@ int export_command(const ExportRequest& request) {
   }
   nlohmann::json result =
       in_time != nullptr ? in_time->write(request, clip) : export_frames(request, clip);
-  warn_of_losses(*clip.head, clip.file.string(), in_time);  // of what has been written
+  warn_of_losses(*clip.head, clip.file.string(), request);  // of what has been written
+  result.update(export_loss(request, clip));
   result["out"] = request.out;
   result["format"] = request.format;
   result["model"] = clip.file.string();

@@ -207,7 +207,7 @@ int render(RenderRequest request) {
       request.path.path.empty()
           ? read_views(request.choice, *clip.head)
           : path_views(request.path,
-                       {*clip.head, clip.named, model_kind(clip.file) == ModelKind::kSplats},
+                       {*clip.head, clip.named, is_of_other_program(model_kind(clip.file))},
                        clip.warnings);
   for (const std::string& warning : clip.warnings) warn(warning);
   if (!request.path.path.empty()) say_small(request.path, views.front().view.camera);

@@ -16,6 +16,7 @@
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
+#include "tools/export/line_export.h"
 #include "tools/export/page_head.h"
 #include "tools/export/player_files.h"
 #include "tools/export/tessera4d_export.h"
@@ -50,6 +51,12 @@ json write_model(const ExportRequest& request, Clip& clip) {
   folder.finish();
   return {
       {"frames", 1}, {"bytes", bytes}, {"max_gaussians", model.count()}, {"non_finite", dropped}};
+}
+
+std::vector<TimeFormat> with_lines(std::vector<TimeFormat> rows) {
+  for (const LineFormat& format : line_formats())
+    rows.push_back({format.name, format.doc, export_lines, false});
+  return rows;
 }
 
 /// One static Gaussian without bands, in the source's world of a scene and on its clock.
@@ -104,13 +111,13 @@ Tessera4dOptions tessera4d_options(const ExportRequest& request, const GaussianM
 }
 
 const std::vector<TimeFormat>& time_formats() {
-  static const std::vector<TimeFormat> rows = {
+  static const std::vector<TimeFormat> rows = with_lines({
       {"tessera", "Tessera 4D: manifest.json and blocks that players stream; --single: one .t4d",
        export_tessera4d},
       {"page", "the same with the web player, for a web server", export_tessera4d},
       {"html", "player and model in one .html that opens by itself", export_tessera4d},
-      {"model", "one 4D .ply, bit for bit as trained", write_model, false, true},
-  };
+      {"model", "one 4D .ply, bit for bit as trained", write_model, false, false, true},
+  });
   return rows;
 }
 

@@ -36,7 +36,8 @@ struct TimeFormat {
   const char* doc;
   /// Writes the folder; `frames` (files), `bytes` and counters.
   nlohmann::json (*write)(const ExportRequest&, Clip&);
-  bool is_tessera4d = true;  // takes --lossless, --segment, --cameras, --audio, --fps
+  bool is_tessera4d = true;  // takes --lossless, --segment, --audio
+  bool has_rate = true;      // takes --fps and --cameras
   bool keeps_environment = false;
 };
 const std::vector<TimeFormat>& time_formats();

@@ -115,7 +115,8 @@ TEST_F(HostileFiles, ColumnsAreLookedForBeforeMemoryIsTaken) {
 
 // Bug put back: packed words of any type cast to 32 bits; seen to fail (accepted).
 TEST_F(HostileFiles, PackedWordsAreWholeNumbers) {
-  save_splat_file(splat_format("compressed"), folder_ / "a.ply", random_model(3, 0).static_set, 0);
+  save_splat_file(splat_format("compressed"), folder_ / "a.ply", random_model(3, 0).static_set,
+                  {0});
   std::string bytes = read_text_file(folder_ / "a.ply");
   const std::string typed = "property uint packed_scale";
   bytes.replace(bytes.find(typed), typed.size(), "property float packed_scale");

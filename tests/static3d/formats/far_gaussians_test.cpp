@@ -83,7 +83,7 @@ TEST(FarGaussians, OthersKeepTheStatedError) {
         SCOPED_TRACE(fmt::format("{}, {} from {}", format.name, far, distance));
         const GaussianSet spoilt = with_far(set, far, distance);
         const auto path = folder / (std::string("a") + format.extension);
-        const int64_t left_out = save_splat_file(format, path, spoilt, 1);
+        const int64_t left_out = save_splat_file(format, path, spoilt, {1});
         const SplatFile read = load_splat_file(path);
         EXPECT_TRUE(read.warnings.empty());
         EXPECT_EQ(read.set.count() + left_out, 600);
@@ -98,7 +98,7 @@ TEST(FarGaussians, FillChunksOfTheirOwnWhereTheyAreMany) {
   const ScratchFolder folder;
   GaussianSet set = set_to_write(2000);
   for (int64_t n = 0; n < 700; ++n) set.values().at(kMean, n)[0] += 3000;
-  const int64_t left_out = save_splat_file(splat_format("compressed"), folder / "a.ply", set, 0);
+  const int64_t left_out = save_splat_file(splat_format("compressed"), folder / "a.ply", set, {0});
   EXPECT_LE(left_out, 255);
   const SplatFile read = load_splat_file(folder / "a.ply");
   EXPECT_EQ(read.set.count() + left_out, 2000);
@@ -115,7 +115,7 @@ TEST(FarGaussians, OfAContinuousBackgroundStay) {
     const Vec3<float> direction = glm::normalize(Vec3<float>(mean[0], mean[1], mean[2]));
     for (int k = 0; k < 3; ++k) mean[k] = direction[k] * std::pow(200.0f, float(n) / 3000);
   }
-  EXPECT_EQ(save_splat_file(splat_format("compressed"), folder / "a.ply", set, 0), 0);
+  EXPECT_EQ(save_splat_file(splat_format("compressed"), folder / "a.ply", set, {0}), 0);
   EXPECT_EQ(load_splat_file(folder / "a.ply").set.count(), 7000);
 }
 
@@ -127,7 +127,7 @@ TEST(FarGaussians, ColoursOfOthersStay) {
   for (const SplatFormat& format : formats_with_a_range()) {
     SCOPED_TRACE(format.name);
     const auto path = folder / (std::string("a") + format.extension);
-    const int64_t left_out = save_splat_file(format, path, set, 0);
+    const int64_t left_out = save_splat_file(format, path, set, {0});
     const SplatFile read = load_splat_file(path);
     EXPECT_EQ(read.set.count() + left_out, 600);
     const std::vector<int64_t> rows = matched(set, read.set);
@@ -166,7 +166,7 @@ TEST(FarGaussians, NoneLeaveTheOrderAndTheStepsAsTheyAre) {
   EXPECT_EQ(held.rows, morton_order(set.values()));
   GaussianSet wide = set.clone_values();
   for (float& x : wide.group(kMean).value.span()) x *= 700;  // four half extents are beyond 2047
-  EXPECT_EQ(save_splat_file(splat_format("spz"), folder / "a.spz", wide, 0), 0);
+  EXPECT_EQ(save_splat_file(splat_format("spz"), folder / "a.spz", wide, {0}), 0);
   EXPECT_LE(worst_mean(wide, load_splat_file(folder / "a.spz").set), 1.0 / 8192 + 1e-4);
 }
 
@@ -175,10 +175,10 @@ TEST(FarGaussians, ASceneFarFromTheOriginHasCoarserStepsInSpz) {
   const ScratchFolder folder;
   GaussianSet set = set_to_write(600);
   for (int64_t n = 0; n < 600; ++n) set.values().at(kMean, n)[1] += 5000;
-  EXPECT_EQ(save_splat_file(splat_format("spz"), folder / "a.spz", set, 0), 0);
+  EXPECT_EQ(save_splat_file(splat_format("spz"), folder / "a.spz", set, {0}), 0);
   EXPECT_LE(worst_mean(set, load_splat_file(folder / "a.spz").set), 1.0 / 2048 + 1e-3);
   for (int64_t n = 0; n < 600; ++n) set.values().at(kMean, n)[1] += 1e6f;
-  expect_input_error([&] { save_splat_file(splat_format("spz"), folder / "b.spz", set, 0); },
+  expect_input_error([&] { save_splat_file(splat_format("spz"), folder / "b.spz", set, {0}); },
                      {"b.spz", "1005000", "export as ply"});
 }
 
@@ -188,7 +188,7 @@ TEST(FarGaussians, ASceneFarFromTheOriginKeepsItsErrorInSog) {
   const ScratchFolder folder;
   GaussianSet set = set_to_write(600);
   for (int64_t n = 1; n < 600; ++n) set.values().at(kMean, n)[1] += 5000;
-  EXPECT_EQ(save_splat_file(splat_format("sog"), folder / "a.sog", set, 0), 1);
+  EXPECT_EQ(save_splat_file(splat_format("sog"), folder / "a.sog", set, {0}), 1);
   EXPECT_LE(worst_mean(core_of(set), load_splat_file(folder / "a.sog").set),
             stated(splat_format("sog"), set));
 }

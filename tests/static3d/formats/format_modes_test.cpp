@@ -97,7 +97,8 @@ const std::map<std::string, double> kRoundTrip = {
     {"compressed", 0.03},  // SH in 1/32
     {"spz", 0.1},          // SH in 1/8
     {"spz 4", 0.1},
-    {"sog", 0.3},      // SH of random Gaussians, some of which share an entry of the palette
+    {"sog", 0.3},  // SH of random Gaussians, some of which share an entry of the palette
+    {"glb", 1e-4},
     {"splat", 0.005},  // quaternions in 1/128; compared without view-dependent colour
     {"4d", 0.025},
 };
@@ -109,7 +110,6 @@ TEST(FormatModes, E1FramesLookLikeTheModel) {
   GaussianModel model = plain_model(40, 60);
   const std::vector<double> times = {0, 0.35, 1};
   for (const auto& [name, format] : all_formats()) {
-    if (!format.is_read) continue;
     SCOPED_TRACE(name);
     model.drawing.sh_degree = name == "splat" ? 0 : 3;
     export_sequence(model, folder / name, times, format);
@@ -157,18 +157,17 @@ TEST(FormatModes, E2ASecondExportIsTheSame) {
   GaussianModel model = plain_model(700, 0);  // three chunks of the compressed file
   const View view = view_at(0);
   for (const auto& [name, format] : all_formats()) {
-    if (!format.is_read) continue;
     SCOPED_TRACE(name);
     model.drawing.sh_degree = name == "splat" ? 0 : 3;
     const RenderedImage expected = render_one(model, view);
-    save_splat_file(format, folder / fmt::format("0{}", format.extension), model.static_set, 3);
+    save_splat_file(format, folder / fmt::format("0{}", format.extension), model.static_set, {3});
     std::string before = read_text_file(folder / fmt::format("0{}", format.extension));
     double worst = 0;
     for (int i = 1; i < kGenerations; ++i) {
       SplatFile read = load_splat_file(folder / fmt::format("{}{}", i - 1, format.extension));
       EXPECT_TRUE(read.warnings.empty());
       const fs::path path = folder / fmt::format("{}{}", i, format.extension);
-      save_splat_file(format, path, read.set, read.sh_degree);
+      save_splat_file(format, path, read.set, read.drawing);
       const std::string bytes = read_text_file(path);
       if (name == "ply" || (name == "splat" && i > 1)) {
         EXPECT_TRUE(bytes == before) << "generation " << i;
@@ -199,19 +198,6 @@ GaussianModel spoilt_model() {
   return model;
 }
 
-/// 32-bit floats of a .glb's buffer that are not finite.
-int64_t non_finite_of_glb(const std::string& bytes) {
-  uint32_t text = 0;
-  std::memcpy(&text, bytes.data() + 12, 4);
-  int64_t count = 0;
-  for (size_t position = 20 + text + 8; position + 4 <= bytes.size(); position += 4) {
-    float value = 0;
-    std::memcpy(&value, bytes.data() + position, 4);
-    count += !std::isfinite(value);
-  }
-  return count;
-}
-
 // Failure mode E3. Bug put back: is_valid_element always true; seen to fail for each.
 TEST(FormatModes, E3NothingBrokenIsWritten) {
   const TemporaryFolder folder;
@@ -225,10 +211,6 @@ TEST(FormatModes, E3NothingBrokenIsWritten) {
     EXPECT_EQ(manifest["counters"]["far_outliers"], 1);
     EXPECT_LT(double(manifest["bounds"]["max"][0]), 10);
     const fs::path file = folder / name / sequence_file_name(0, 1, format);
-    if (!format.is_read) {
-      EXPECT_EQ(non_finite_of_glb(read_text_file(file)), 0);
-      continue;
-    }
     const SplatFile read = load_splat_file(file);
     EXPECT_TRUE(read.warnings.empty()) << "the reader left something out";
     EXPECT_EQ(read.set.count(), report.frames[0].gaussians);
@@ -300,7 +282,7 @@ std::vector<std::pair<std::string, Writer>> all_writers() {
   std::vector<std::pair<std::string, Writer>> writers;
   for (const auto& [name, format] : all_formats())
     writers.emplace_back(name, [format = format](const fs::path& path, const GaussianModel& model) {
-      save_splat_file(format, path, model.static_set, 3);
+      save_splat_file(format, path, model.static_set, {3});
     });
   writers.emplace_back("model", save_model);
   writers.emplace_back("tessera-4d", [](const fs::path& path, const GaussianModel& model) {

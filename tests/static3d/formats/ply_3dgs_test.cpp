@@ -44,7 +44,7 @@ TEST(Ply3dgs, TakesEveryDegreeAnyOrderAndAnyScalarType) {
       write_ply(folder / "a.ply", foreign_file(3 * rest, 2, type));
       const SplatFile read = load_splat_file(folder / "a.ply");
       EXPECT_TRUE(read.warnings.empty());
-      EXPECT_EQ(read.sh_degree, degree);
+      EXPECT_EQ(read.drawing.sh_degree, degree);
       ASSERT_EQ(read.set.coefficients(), K);
       ASSERT_EQ(read.set.count(), 2);
       for (int k = 1; k < K; ++k)  // channel-major in the file, RGB innermost here
@@ -117,11 +117,12 @@ TEST(Ply3dgs, WritesTheSameBytesAfterARoundTrip) {
   const TemporaryFolder folder;
   for (int degree = 0; degree <= 3; ++degree) {
     const GaussianModel model = random_model(500, 0, 40 + uint64_t(degree));
-    EXPECT_EQ(save_splat_file(splat_format("ply"), folder / "a.ply", model.static_set, degree), 0);
+    EXPECT_EQ(save_splat_file(splat_format("ply"), folder / "a.ply", model.static_set, {degree}),
+              0);
     const SplatFile read = load_splat_file(folder / "a.ply");
     EXPECT_TRUE(read.warnings.empty());
-    EXPECT_EQ(read.sh_degree, degree);
-    EXPECT_EQ(save_splat_file(splat_format("ply"), folder / "b.ply", read.set, degree), 0);
+    EXPECT_EQ(read.drawing.sh_degree, degree);
+    EXPECT_EQ(save_splat_file(splat_format("ply"), folder / "b.ply", read.set, {degree}), 0);
     EXPECT_EQ(read_bytes(folder / "a.ply"), read_bytes(folder / "b.ply"));
     GaussianModel cut = clone(model);
     cut.drawing.sh_degree = degree;
@@ -134,7 +135,7 @@ TEST(Ply3dgs, HasTheLayoutOfTheReferenceCode) {
   const TemporaryFolder folder;
   GaussianModel model = random_model(3, 0);
   model.static_set.group(kLogScale).value[4] = NAN;
-  EXPECT_EQ(save_splat_file(splat_format("ply"), folder / "a.ply", model.static_set, 1), 1);
+  EXPECT_EQ(save_splat_file(splat_format("ply"), folder / "a.ply", model.static_set, {1}), 1);
   const PlyFile file = read_ply(folder / "a.ply");
   ASSERT_EQ(file.elements.size(), 1u);
   EXPECT_EQ(file.elements[0].rows, 2);
@@ -152,12 +153,12 @@ TEST(Ply3dgs, HasTheLayoutOfTheReferenceCode) {
 // Failure mode C1. Bug put back: write_splats checks that a set has rows; seen to fail.
 TEST(Ply3dgs, AnEmptySetIsAFile) {
   const TemporaryFolder folder;
-  EXPECT_EQ(
-      save_splat_file(splat_format("ply"), folder / "a.ply", GaussianSet(SetForm::kStatic, 16), 3),
-      0);
+  EXPECT_EQ(save_splat_file(splat_format("ply"), folder / "a.ply",
+                            GaussianSet(SetForm::kStatic, 16), {3}),
+            0);
   const SplatFile read = load_splat_file(folder / "a.ply");
   EXPECT_EQ(read.set.count(), 0);
-  EXPECT_EQ(read.sh_degree, 3);
+  EXPECT_EQ(read.drawing.sh_degree, 3);
   EXPECT_TRUE(read.warnings.empty());
   EXPECT_EQ(coverage(render_one(static_model(random_model(0, 0), read.set.clone_values()),
                                 three_views()[0])),
@@ -187,7 +188,7 @@ void expect_foreign_file_renders(const std::filesystem::path& path, int64_t coun
   for (size_t i = 0; i < warnings.size(); ++i)
     EXPECT_NE(read.warnings[i].find(warnings[i]), std::string::npos) << read.warnings[i];
   GaussianModel model;
-  model.drawing.sh_degree = read.sh_degree;
+  model.drawing.sh_degree = read.drawing.sh_degree;
   model.drawing.near_plane = 1e-3;
   const View view = view_of(read.set);
   model.static_set = std::move(read.set);
@@ -285,12 +286,13 @@ TEST(Ply3dgs, TheSameObjectInTwoFormatsLooksTheSame) {
   TESSERA_NEED_DATA(spz, "splats/biker.spz");
   const SplatFile a = load_splat_file(ply), b = load_splat_file(spz);
   EXPECT_EQ(a.set.count(), b.set.count());
-  EXPECT_EQ(a.sh_degree, b.sh_degree);
+  EXPECT_EQ(a.drawing.sh_degree, b.drawing.sh_degree);
   EXPECT_TRUE(b.warnings.empty());
   const View view = view_of(a.set);
-  const RenderedImage image = shown(a.set, a.sh_degree, view);
-  const double expected = exact_psnr(image, shown(rounded_otherwise(a.set), a.sh_degree, view));
-  const double actual = exact_psnr(image, shown(b.set, b.sh_degree, view));
+  const RenderedImage image = shown(a.set, a.drawing.sh_degree, view);
+  const double expected =
+      exact_psnr(image, shown(rounded_otherwise(a.set), a.drawing.sh_degree, view));
+  const double actual = exact_psnr(image, shown(b.set, b.drawing.sh_degree, view));
   EXPECT_GT(expected, 40);
   EXPECT_GT(actual, expected - 0.5) << "by the formats' steps " << expected << " dB";
   RecordProperty("actual_db", std::to_string(actual));  // 60.6, by the steps 60.9

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -30,7 +31,7 @@ namespace {
 std::vector<SplatFormat> read_formats() {
   std::vector<SplatFormat> formats;
   for (const SplatFormat& format : splat_formats())
-    if (format.is_read && is_built(format)) formats.push_back(format);
+    if (is_built(format)) formats.push_back(format);
 #ifdef TESSERA_HAS_ZSTD
   formats.push_back(spz_format(4));
 #endif
@@ -49,6 +50,7 @@ TEST(SplatFiles, AreReadBackWithinTheirQuanta) {
       // ranges: 3 of ln(1 + |mean|); SH: of splats that share an entry, see sog_test.cpp
       {"sog", {2e-4, 0.02, 0.002, 0.02, 2, 0.0097}},
       {"splat", {0, 1e-5, 0.002, 0.007, 0, 0.03}},
+      {"glb", {0, 1e-5, 1e-6, 0, 0, 1e-6}},
   };
   const ScratchFolder folder;
   const GaussianSet set = set_to_write(300);
@@ -56,12 +58,39 @@ TEST(SplatFiles, AreReadBackWithinTheirQuanta) {
     for (int degree : {0, 3}) {
       SCOPED_TRACE(format.name);
       const std::filesystem::path path = folder / (std::string("a") + format.extension);
-      EXPECT_EQ(save_splat_file(format, path, set, degree), 0);
+      EXPECT_EQ(save_splat_file(format, path, set, {degree}), 0);
       const SplatFile read = load_splat_file(path);
-      EXPECT_EQ(read.sh_degree, std::string(format.name) == "splat" ? 0 : degree);
+      EXPECT_EQ(read.drawing.sh_degree, std::string(format.name) == "splat" ? 0 : degree);
       EXPECT_TRUE(read.warnings.empty()) << read.warnings.front();
       expect_within(set, read.set, quanta.at(format.name));
     }
+}
+
+// Bugs put back, each seen to fail: no bit in .spz; the comment of Postshot not read.
+TEST(SplatFiles, SayWhetherTheyAreAntialiased) {
+  const ScratchFolder folder;
+  for (const SplatFormat& format : read_formats())
+    for (const bool antialiased : {false, true}) {
+      SCOPED_TRACE(format.name);
+      const std::filesystem::path path = folder / (std::string("a") + format.extension);
+      save_splat_file(format, path, set_to_write(3), {1, antialiased});
+      const bool is_held = antialiased && format.has_mark;
+      const SplatFile read = load_splat_file(path);
+      EXPECT_EQ(read.drawing.antialiased, is_held);
+      EXPECT_EQ(model_of(load_splat_file(path)).drawing.filter_2d, is_held);
+    }
+  save_splat_file(splat_format("ply"), folder / "a.ply", set_to_write(3), {0, true});
+  const std::string marked = read_text_file(folder / "a.ply");
+  const std::string mark = "SplatRenderMode: mip";
+  for (const auto& [comment, antialiased] :
+       {std::pair("antialiased 1", true), std::pair("antialiased 0", false),
+        std::pair("SPLATRENDERMODE:  MIP ", true), std::pair("SplatRenderMode: default", false),
+        std::pair("SplatRenderMode: mip\ncomment antialiased 0", false)}) {
+    std::string text = marked;
+    text.replace(text.find(mark), mark.size(), comment);
+    write_text_file(folder / "a.ply", text);
+    EXPECT_EQ(load_splat_file(folder / "a.ply").drawing.antialiased, antialiased) << comment;
+  }
 }
 
 // A quaternion and a colour written by hand are read with the intended values. Values at the
@@ -78,12 +107,12 @@ TEST(SplatFiles, HoldWhatIsExtreme) {
   for (const SplatFormat& format : read_formats()) {
     SCOPED_TRACE(format.name);
     const std::filesystem::path path = folder / (std::string("a") + format.extension);
-    const int64_t left_out = save_splat_file(format, path, set, 3);
+    const int64_t left_out = save_splat_file(format, path, set, {3});
     EXPECT_EQ(left_out, std::string(format.name) == "compressed" ? 1 : 0) << "the far one";
     const SplatFile read = load_splat_file(path);
     ASSERT_EQ(read.set.count(), 4 - left_out);
     for (const float x : read.set.group(kOpacityLogit).value.span()) EXPECT_TRUE(std::isfinite(x));
-    save_splat_file(format, path, GaussianSet(SetForm::kStatic, 16), 3);
+    save_splat_file(format, path, GaussianSet(SetForm::kStatic, 16), {3});
     const bool has_header = std::string(format.name) != "splat";
     if (has_header) {
       EXPECT_EQ(load_splat_file(path).set.count(), 0);
@@ -131,7 +160,7 @@ std::vector<float> attribute(const nlohmann::json& document, std::string_view bu
 TEST(SplatFiles, GlbHasChunksAndColumnsOfTheExtension) {
   const ScratchFolder folder;
   const GaussianSet set = set_to_write(7);
-  EXPECT_EQ(save_splat_file(splat_format("glb"), folder / "a.glb", set, 2), 0);
+  EXPECT_EQ(save_splat_file(splat_format("glb"), folder / "a.glb", set, {2}), 0);
   const std::string file = read_text_file(folder / "a.glb");
   ByteReader bytes(file, "a.glb");
   EXPECT_EQ(bytes.take(4), "glTF");
@@ -165,7 +194,94 @@ TEST(SplatFiles, GlbHasChunksAndColumnsOfTheExtension) {
     EXPECT_FLOAT_EQ(opacity[n], sigmoid(*values.at(kOpacityLogit, i)));
     EXPECT_EQ(last[3 * n + 1], values.at(kSh, i)[3 * 8 + 1]);
   }
-  expect_input_error([&] { load_splat_file(folder / "a.glb"); }, {"a.glb", "no splats"});
+}
+
+/// A file of one primitive by its document and buffer.
+std::string glb_of(const nlohmann::json& document, const std::string& buffer) {
+  std::string text = document.dump(), file = "glTF";
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  append(file, uint32_t{2});
+  append(file, uint32_t(28 + text.size() + buffer.size()));
+  append(file, uint32_t(text.size()));
+  file += "JSON" + text;
+  append(file, uint32_t(buffer.size()));
+  return file + std::string("BIN\0", 4) + buffer;
+}
+
+// Two splats whose attributes are normalised integers with a stride. Bugs put back, each seen to
+// fail: the stride not looked at; negative scales as linear ones.
+TEST(SplatFiles, GlbOfOthersIsRead) {
+  const ScratchFolder folder;
+  std::string buffer;
+  for (const float x : {1.f, 2.f, 3.f, 4.f, 5.f, 6.f, 0.5f, 0.25f, 0.125f, 1.f, 1.f, 1.f})
+    append(buffer, x);
+  for (const int16_t x : {0, 0, 0, 32767, 32767, 0, 0, 0}) append(buffer, x);
+  for (const uint8_t x : {128, 9, 9, 9, 255, 9, 9, 9}) append(buffer, x);  // opacity, every fourth
+  for (const float x : {.1f, .2f, .3f, .4f, .5f, .6f}) append(buffer, x);
+  const std::string name = "KHR_gaussian_splatting:";
+  const auto accessor = [](int view, int type, const char* kind) {
+    return nlohmann::json{
+        {"bufferView", view}, {"componentType", type}, {"count", 2}, {"type", kind}};
+  };
+  nlohmann::json document = {
+      {"asset", {{"version", "2.0"}}},
+      {"nodes", {{{"mesh", 0}, {"scale", {2, 2, 2}}}}},
+      {"meshes",
+       {{{"primitives",
+          {{{"attributes",
+             {{"POSITION", 0},
+              {name + "SCALE", 1},
+              {name + "ROTATION", 2},
+              {name + "OPACITY", 3},
+              {name + "SH_DEGREE_0_COEF_0", 4}}},
+            {"extensions", {{"KHR_gaussian_splatting", nlohmann::json::object()}}}}}}}}},
+      {"accessors",
+       {accessor(0, 5126, "VEC3"), accessor(1, 5126, "VEC3"), accessor(2, 5122, "VEC4"),
+        accessor(3, 5121, "SCALAR"), accessor(4, 5126, "VEC3")}},
+      {"bufferViews",
+       {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 24}},
+        {{"buffer", 0}, {"byteOffset", 24}, {"byteLength", 24}},
+        {{"buffer", 0}, {"byteOffset", 48}, {"byteLength", 16}},
+        {{"buffer", 0}, {"byteOffset", 64}, {"byteLength", 8}, {"byteStride", 4}},
+        {{"buffer", 0}, {"byteOffset", 72}, {"byteLength", 24}}}},
+      {"buffers", {{{"byteLength", buffer.size()}}}}};
+  write_text_file(folder / "a.glb", glb_of(document, buffer));
+  const SplatFile read = load_splat_file(folder / "a.glb");
+  ASSERT_EQ(read.set.count(), 2);
+  ASSERT_EQ(read.warnings.size(), 1u);
+  EXPECT_NE(read.warnings[0].find("transforms of its nodes"), std::string::npos);
+  const GaussianSpans<const float> values = read.set.values();
+  EXPECT_EQ(values.at(kMean, 1)[0], -4);
+  EXPECT_EQ(values.at(kMean, 1)[2], 6);
+  EXPECT_FLOAT_EQ(values.at(kLogScale, 0)[1], std::log(0.25f));
+  EXPECT_NEAR(sigmoid(*values.at(kOpacityLogit, 0)), 128 / 255.0, 1e-6);
+  EXPECT_NEAR(sigmoid(*values.at(kOpacityLogit, 1)), 1, 2e-6);
+  EXPECT_FLOAT_EQ(values.at(kSh, 1)[2], 0.6f);
+  std::string draft = buffer;
+  const float below = -1;
+  std::memcpy(draft.data() + 24, &below, 4);
+  write_text_file(folder / "a.glb", glb_of(document, draft));
+  EXPECT_FLOAT_EQ(load_splat_file(folder / "a.glb").set.values().at(kLogScale, 0)[0], -1);
+  const auto expect_refused = [&](const std::function<void(nlohmann::json&)>& change,
+                                  const char* part) {
+    nlohmann::json changed = document;
+    change(changed);
+    write_text_file(folder / "b.glb", glb_of(changed, buffer));
+    expect_input_error([&] { load_splat_file(folder / "b.glb"); }, {"b.glb", part});
+  };
+  auto primitive = [](nlohmann::json& d) -> nlohmann::json& {
+    return d["meshes"][0]["primitives"][0];
+  };
+  expect_refused([&](auto& d) { primitive(d)["attributes"].erase(name + "OPACITY"); }, "OPACITY");
+  expect_refused([&](auto& d) { primitive(d).erase("extensions"); }, "no primitive");
+  expect_refused(
+      [&](auto& d) {
+        primitive(d)["extensions"]["KHR_gaussian_splatting"]["extensions"]["spz_2"] = 1;
+      },
+      "spz_2");
+  expect_refused([](auto& d) { d["accessors"][1]["count"] = 3; }, "VEC3");
+  expect_refused([](auto& d) { d["bufferViews"][4]["byteOffset"] = 73; }, "beyond");
+  expect_refused([](auto& d) { d["accessors"][2]["componentType"] = 5125; }, "accessor");
 }
 
 // Bytes as nianticlabs/spz documents them. Bugs put back, each seen to fail: w first in the
@@ -196,10 +312,10 @@ TEST(SplatFiles, SpzOfVersionTwoByItsBytes) {
 // Bug put back: spz_format(4) with the writer of version 3; seen to fail.
 TEST(SplatFiles, SpzIsOfTheVersionAskedFor) {
   const ScratchFolder folder;
-  save_splat_file(spz_format(3), folder / "3.spz", set_to_write(3), 1);
+  save_splat_file(spz_format(3), folder / "3.spz", set_to_write(3), {1});
   EXPECT_TRUE(is_gzip(read_text_file(folder / "3.spz")));
 #ifdef TESSERA_HAS_ZSTD
-  save_splat_file(spz_format(4), folder / "4.spz", set_to_write(3), 1);
+  save_splat_file(spz_format(4), folder / "4.spz", set_to_write(3), {1});
   const std::string file = read_text_file(folder / "4.spz");
   EXPECT_EQ(file.substr(0, 5), "NGSP\4");
   EXPECT_EQ(file[15], 6) << "streams";
@@ -223,7 +339,7 @@ TEST(SplatFiles, CutOffAnywhereAreRefused) {
   const GaussianSet set = set_to_write(3);
   for (const SplatFormat& format : read_formats()) {
     const std::filesystem::path path = folder / (std::string("a") + format.extension);
-    save_splat_file(format, path, set, 1);
+    save_splat_file(format, path, set, {1});
     const std::string whole = read_text_file(path);
     expect_beginnings_refused(path, whole);
     if (is_gzip(whole)) expect_beginnings_refused(path, gunzip(whole, 1000000, path));

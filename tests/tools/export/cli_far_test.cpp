@@ -21,7 +21,7 @@ void write_far(const CliWorkspace& work, float far, float shift) {
     values.at(kMean, n)[1] += shift;
   }
   values.at(kMean, 0)[0] = far;
-  save_splat_file(splat_format("ply"), work.at("far.ply"), model.static_set, 3);
+  save_splat_file(splat_format("ply"), work.at("far.ply"), model.static_set, {3});
 }
 
 // Bugs put back, each seen to fail: no warning; the degree in time of the training's defaults taken
