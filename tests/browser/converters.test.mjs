@@ -39,6 +39,19 @@ function expectWithin(a, b, bounds) {
   return worst;
 }
 
+/** Signs of SH from degree 1 on where y and z change theirs. */
+const kTurnedSh = [-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1];
+
+/** Half a turn about x: splat-transform takes .spz as it is stored, without that of its world. */
+function turnedAboutX({rows, columns}) {
+  const sign = (name) => {
+    if (['y', 'z', 'rot_2', 'rot_3'].includes(name)) return -1;
+    return name.startsWith('f_rest_') ? kTurnedSh[Number(name.slice(7)) % 15] : 1;
+  };
+  return {rows, columns: Object.fromEntries(Object.entries(columns).map(
+      ([name, values]) => [name, values.map((x) => sign(name) * x)]))};
+}
+
 function spzBounds() {
   return {
     position: Array(3).fill(0.5 / 4096 + 1e-6), log_scale: Array(3).fill(0.5 / 16 + 1e-6),
@@ -65,8 +78,11 @@ function compressedBounds(path) {
   };
 }
 
-test('ply: splat-transform writes the same bytes', async () => {
-  assert.ok((await transformed(plyPath, 'a.ply')).equals(readFileSync(plyPath)));
+test('ply: splat-transform writes the same numbers', async () => {
+  const theirs = plyColumns(await transformed(plyPath, 'a.ply'));
+  const names = Object.keys(ply.columns).sort();
+  assert.deepEqual(Object.keys(theirs.columns).sort(), names);
+  for (const name of names) assert.deepEqual(theirs.columns[name], ply.columns[name], name);
 });
 
 test('ply: read back and written again, the same bytes', () => {
@@ -86,7 +102,7 @@ for (const version of [3, 4])
     const path = exported(fixture.model, 'spz', '.spz', '--time', 0.5, '--spz-version', version);
     const head = readFileSync(path).toString('latin1', 0, 4);
     assert.equal(head === 'NGSP', version === 4);
-    expectWithin(ply, plyColumns(await transformed(path, 'a.ply')), spzBounds);
+    expectWithin(ply, turnedAboutX(plyColumns(await transformed(path, 'a.ply'))), spzBounds);
   });
 
 /** meta.json of an archive of stored entries. */
@@ -123,6 +139,20 @@ test('sog: ours by splat-transform', async () => {
     rows.forEach((j, i) => (error += (a[i] - b[j]) ** 2, energy += a[i] ** 2));
   }
   assert.ok(error < 0.1 * energy, `${error / energy} of the energy of SH is lost`);
+});
+
+// Bug put back: the mark left out of compressed files. Seen to fail.
+test('antialiased: splat-transform reads the mark of each format that has one', async () => {
+  const bytes = readFileSync(plyPath), marked = join(folder, 'marked.ply');
+  const mark = 'comment SplatRenderMode: mip\n', place = bytes.indexOf('element vertex');
+  writeFileSync(marked, Buffer.concat([bytes.subarray(0, place), Buffer.from(mark),
+                                       bytes.subarray(place)]));
+  for (const [format, extension] of
+       [['ply', '.ply'], ['compressed', '.compressed.ply'], ['spz', '.spz'], ['sog', '.sog']])
+    for (const [model, expected] of [[marked, true], [plyPath, false]]) {
+      const theirs = await transformed(exported(model, format, extension), 'a.ply');
+      assert.equal(theirs.includes(mark), expected, format);
+    }
 });
 
 // Bug put back: opacity not scaled by 255. Seen to fail.
@@ -182,7 +212,7 @@ for (const spzVersion of [3, 4])
     const path = join(folder, `theirs_${spzVersion}.spz`);
     writeFileSync(path, await transformed(plyPath, path, {spzVersion}));
     const read = plyColumns(readFileSync(exported(path, 'ply', '.ply')));
-    expectWithin(ply, read, spzBounds);
+    expectWithin(turnedAboutX(ply), read, spzBounds);
   });
 
 // The names by which SuperSplat 2.32.2 takes files dropped on it for one sequence.

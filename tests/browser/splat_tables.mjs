@@ -7,19 +7,20 @@ import {join} from 'node:path';
 
 import {packagesFolder} from './harness.mjs';
 
-const transform =
+export const splatTransform =
     await import(join(packagesFolder, '@playcanvas/splat-transform/dist/index.mjs'));
 
 /** A file → splat-transform → the bytes of `name`, whose ending says the format. */
 export async function transformed(path, name, options = {}) {
-  const files = new transform.MemoryReadFileSystem();
+  const files = new splatTransform.MemoryReadFileSystem();
   files.set(path, new Uint8Array(readFileSync(path)));
-  const [dataTable] = await transform.readFile(
-      {filename: path, inputFormat: transform.getInputFormat(path), options: {}, params: [],
+  const [source] = await splatTransform.readFile(
+      {filename: path, inputFormat: splatTransform.getInputFormat(path), options: {}, params: [],
        fileSystem: files});
-  const written = new transform.MemoryFileSystem();
-  await transform.writeFile(
-      {filename: name, outputFormat: transform.getOutputFormat(name, {}), dataTable, options},
+  const written = new splatTransform.MemoryFileSystem();
+  await splatTransform.writeSource(
+      {filename: name, outputFormat: splatTransform.getOutputFormat(name, {}), source,
+       pool: splatTransform.createChunkDataPool(), options},
       written);
   return Buffer.from(written.results.get(name));
 }
@@ -29,7 +30,7 @@ export function plyColumns(bytes) {
   const mark = 'end_header\n';
   const end = bytes.indexOf(mark) + mark.length;
   const lines = bytes.toString('latin1', 0, end).split('\n');
-  const rows = Number(/^element vertex (\d+)$/.exec(lines[2])[1]);
+  const rows = Number(/^element vertex (\d+)$/m.exec(lines.join('\n'))[1]);
   const names = lines.filter((line) => line.startsWith('property')).map((line) => {
     const [, type, name] = line.split(' ');
     assert.equal(type, 'float');
