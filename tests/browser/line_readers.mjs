@@ -93,11 +93,11 @@ export async function lineFile(path) {
     for (let i = 0; i < rows; ++i) {
       const {v, time, sigma} = line(i), dt = now - time;
       const opacity = Math.exp(-0.5 * (dt / sigma) ** 2) / (1 + Math.exp(-columns.opacity[i]));
-      const at = {x: columns.x[i] + v[0] * dt, y: columns.y[i] + v[1] * dt,
-                  z: columns.z[i] + v[2] * dt,
-                  opacity: Math.log(Math.max(opacity, 1e-9) / Math.max(1 - opacity, 1e-9))};
+      const moved = {x: columns.x[i] + v[0] * dt, y: columns.y[i] + v[1] * dt,
+                     z: columns.z[i] + v[2] * dt,
+                     opacity: Math.log(Math.max(opacity, 1e-9) / Math.max(1 - opacity, 1e-9))};
       names.forEach((name, k) =>
-          body.writeFloatLE(at[name] ?? columns[name][i], 4 * (i * names.length + k)));
+          body.writeFloatLE(moved[name] ?? columns[name][i], 4 * (i * names.length + k)));
     }
     const header = ['ply', 'format binary_little_endian 1.0', `element vertex ${rows}`,
                     ...names.map((name) => `property float ${name}`), 'end_header', ''];

@@ -28,11 +28,11 @@ for (const [format, extension, least] of
   test(`${format}: others see what we draw`, async () => {
     const out = join(folder, format);
     tessera('export', fixture.model, '--format', format, '-o', out);
-    const path = join(out, `scene${extension}`), at = await lineFile(path);
+    const path = join(out, `scene${extension}`), frameAt = await lineFile(path);
     let views = 0;
     for (const time of kTimes) {
       const frame = join(folder, `${format}_${time}.ply`);
-      writeFileSync(frame, at(time));
+      writeFileSync(frame, frameAt(time));
       const theirs = images(frame, `${format}_theirs`, time);
       for (const [name, ours] of [['model', images(fixture.model, 'model', time)],
                                   ['file', images(path, `${format}_ours`, time)]])
