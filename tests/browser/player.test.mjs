@@ -319,7 +319,7 @@ test('a phone has every control in view, and a finger turns the scene', async ()
                 `${name} covers ${other.name}`);
     boxes.push({...box, name});
   }
-  assert.equal(boxes.length, 13);
+  assert.equal(boxes.length, 14);
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
   const clip = {x: 20, y: 150, width: 320, height: 300};
   const still = readPng(await page.screenshot({clip}));

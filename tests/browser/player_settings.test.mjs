@@ -63,11 +63,13 @@ test('views stay within the sides, heights and distances of the cameras', () => 
 
 // Bug put back: any number accepted; seen to fail.
 test('kept settings of others are left out', () => {
-  const plain = {resolution: 1, shDegree: 3, frameRate: 0, stay: true};
-  for (const text of [null, 'null', '[', '{"resolution":40,"shDegree":"2","stay":1}'])
+  const plain = {resolution: 1, shDegree: 3, frameRate: 0, background: '', stay: true,
+                 numbers: false};
+  for (const text of [null, 'null', '[', '{"resolution":40,"shDegree":"2","background":"red","stay":1}'])
     assert.deepEqual(settingsOf(text), plain);
-  assert.deepEqual(settingsOf('{"resolution":0.5,"shDegree":0,"frameRate":15,"stay":false}'),
-                   {resolution: 0.5, shDegree: 0, frameRate: 15, stay: false});
+  const kept = {resolution: 0.5, shDegree: 0, frameRate: 15, background: 'ffffff', stay: false,
+                numbers: true};
+  assert.deepEqual(settingsOf(JSON.stringify(kept)), kept);
 });
 
 async function middle(page) {
@@ -97,6 +99,11 @@ test('the panel changes the image, and its settings are stored', async () => {
   const flat = await middle(page);
   assert.ok(differing(full, flat, 4) > 300, `${differing(full, flat, 4)} pixels`);
   await set('shDegree', '3');
+  assert.equal(differing(full, await middle(page)), 0);
+  await set('background', 'ffffff');
+  const white = await page.screenshot({clip: {x: 0, y: 80, width: 20, height: 20}});
+  assert.deepEqual([...readPng(white).data.subarray(0, 3)], [255, 255, 255]);
+  await set('background', '');
   assert.equal(differing(full, await middle(page)), 0);
   await set('resolution', '0.5');
   assert.equal(await page.evaluate(() => document.getElementById('picture').width), 320);

@@ -6,7 +6,8 @@ import {differing, expectClean, openPage, psnr, readPng} from './harness.mjs';
 import {playerModules} from './player_modules.mjs';
 import {pageOfModel} from './player_page.mjs';
 
-const {poseOfWord, viewWord} = await playerModules('shared_view');
+const {embedLine, imageName, poseOfWord, share, shareEmbed, viewWord} =
+    await playerModules('shared_view', 'share');
 const site = pageOfModel();
 
 const kLens = {fx: 500, fy: 500, cx: 320, cy: 240, width: 640, height: 480};
@@ -74,6 +75,47 @@ test('a view that was dragged is in the address, and the copied link shows it', 
   for (const each of [page, again.page]) await each.close();
   expectClean(problems);
   expectClean(again.problems);
+});
+
+// Bugs put back: quotes of a title end the attribute; a page on a disk is said to be shared; each
+// seen to fail.
+test('the line that embeds a page, and what is said of one on a disk', async () => {
+  const line = embedLine('https://a.b/c?t=1&cam=x', 'A "big" <room>');
+  assert.match(line, /^<iframe src="https:\/\/a\.b\/c\?t=1&amp;cam=x" title="A &quot;big&quot; &lt;room>" /);
+  assert.equal(imageName('a/b: c', 1.256), 'a b c 1.26 s.png');
+  let copied = null;
+  Object.defineProperty(globalThis, 'navigator', {configurable: true, value: {
+    clipboard: {writeText: async (text) => { copied = text; }}}});
+  assert.match(await share('file:///a/index.html', ''), /^Link copied, but this page lies on a disk/);
+  copied = null;
+  assert.match(await shareEmbed('file:///a/index.html', ''), /^Nothing copied/);
+  assert.equal(copied, null);
+  await shareEmbed('http://a.b/', 'x');
+  assert.equal(copied, embedLine('http://a.b/', 'x'));
+});
+
+// Bug put back: the canvas read after the browser has taken its image; seen to fail.
+test('the image on the screen is saved as a file', async () => {
+  const {page, problems} = await open('?paused&t=1.25&cam=front&bg=ff0000');
+  const shown = readPng(await page.locator('#picture').screenshot());
+  await page.evaluate(() => document.activeElement.blur());
+  const [download] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('x')]);
+  assert.match(download.suggestedFilename(), / 1\.25 s\.png$/);
+  const saved = readPng(await download.path());
+  assert.deepEqual([saved.width, saved.height], [640, 480]);
+  assert.deepEqual([...saved.data.subarray(0, 3)], [255, 0, 0], 'the background of the address');
+  const rows = {x: 100, y: 100, width: 300, height: 200};
+  const part = readPng(await page.screenshot({clip: rows}));
+  let different = 0;
+  for (let y = 0; y < rows.height; ++y)
+    for (let x = 0; x < rows.width; ++x)
+      different += [0, 1, 2].some((c) => Math.abs(
+          part.data[4 * (y * rows.width + x) + c] -
+          saved.data[4 * ((y + rows.y) * saved.width + x + rows.x) + c]) > 2);
+  assert.equal(different, 0);
+  assert.ok(shown.width > 0);
+  await page.close();
+  expectClean(problems);
 });
 
 // Bug put back: the clipboard used where the system has a sheet; seen to fail.

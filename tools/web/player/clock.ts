@@ -15,8 +15,15 @@ export interface Sound {
 const SLOWEST = 0.0625; // rates that browsers play sound at
 const FASTEST = 16;
 
+/** A part of the clip that is played over and over, seconds. */
+export interface Part {
+  from: number;
+  to: number;
+}
+
 export class Clock {
   loop = true;
+  private part: Part | null = null;
   private speed = 1;
   private running = false;
   private held = false;
@@ -67,14 +74,28 @@ export class Clock {
         this.sounding && this.sound !== null
           ? this.sound.currentTime
           : this.anchor.seconds + (wall - this.anchor.wall) * this.speed;
-      if (this.anchor.seconds >= this.duration) this.wrap();
+      if (this.anchor.seconds >= this.end) this.wrap();
     }
     this.anchor.wall = wall;
     return this.anchor.seconds;
   }
 
+  private get end(): number {
+    return this.part?.to ?? this.duration;
+  }
+
+  /** null: all of the clip. A time outside of the part goes to its start. */
+  setPart(part: Part | null): void {
+    this.part = part;
+    const now = this.now();
+    if (part !== null && (now < part.from || now > part.to)) this.seek(part.from);
+  }
+
   private wrap(): void {
-    if (this.loop && this.duration > 0) {
+    if (this.part !== null) {
+      this.anchor.seconds = this.part.from;
+      this.tellSound();
+    } else if (this.loop && this.duration > 0) {
       this.anchor.seconds %= this.duration;
       this.tellSound();
     } else {

@@ -59,6 +59,10 @@ export class Comparison {
       line.hidden = views.length === 0;
   }
 
+  get on(): boolean {
+    return this.shown !== null;
+  }
+
   toggle(): void {
     if (this.shown !== null) this.end();
     else if (this.views.length > 0) this.show();

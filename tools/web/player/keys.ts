@@ -1,7 +1,7 @@
 // The action of each key of the keyboard.
 
 export type Action =
-  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" | "path" | "compare" | "next" | "vr" }
+  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" | "path" | "compare" | "next" | "vr" | "part" | "save" | "numbers" | "embed" }
   | { do: "step"; frames: number }
   | { do: "rate"; steps: number }
   | { do: "camera"; index: number };
@@ -37,6 +37,12 @@ export function actionOf(key: string): Action | null {
       return { do: "share" };
     case "o":
       return { do: "settings" };
+    case "b":
+      return { do: "part" };
+    case "x":
+      return { do: "save" };
+    case "i":
+      return { do: "numbers" };
     case "v":
       return { do: "fly" };
     case "p":

@@ -1,5 +1,5 @@
 // The page: connects scene, clock, camera and panels, and draws when the display requests a frame.
-import { Clock } from "./clock";
+import { Clock, type Part } from "./clock";
 import { Comparison, readTruth, type TruthView } from "./comparison";
 import { listenToKeys, type Action } from "./keys";
 import { LICENCES } from "./licences";
@@ -8,12 +8,12 @@ import { openSource, readConfig } from "./open_source";
 import { lineOf } from "./player_error";
 import type { SceneInfo, SceneView, ViewCamera } from "./scene_view";
 import { SettingsPanel } from "./settings";
-import { share } from "./share";
+import { imageName, saveImage, share, shareEmbed } from "./share";
 import { SparkView } from "./spark_view";
 import "./style.css";
-import { frameAt } from "./time_words";
+import { frameAt, ImageRate } from "./time_words";
 import { Panels, RATES } from "./ui";
-import { readUrl, rememberInUrl, withValues } from "./url_state";
+import { colourOf, readUrl, rememberInUrl, withValues } from "./url_state";
 import { Viewpoint } from "./viewpoint";
 import { isVrSupported } from "./xr";
 
@@ -32,6 +32,7 @@ class Page {
     position: [0, 0, 0],
     rotation: [1, 0, 0, 0],
     lens: { fx: 1, fy: 1, cx: 0.5, cy: 0.5, width: 1, height: 1 },
+    whole: false,
     version: 0,
   };
   private readonly panels = new Panels(
@@ -49,6 +50,8 @@ class Page {
   private loaded: Progress = { bytes: 0, needed: 0 };
   private pictured = false; // whether a first image is on the screen
   private drawn = 0; // ms; when the last image was
+  private readonly rate = new ImageRate();
+  private part: Part | { from: number } | null = null; // that is repeated, or begun to be chosen
   private lost: string | null = null; // why nothing is drawn any more
   private remembered = true; // whether the address says which time is shown
 
@@ -66,6 +69,7 @@ class Page {
     this.panels.open(clip, cameras.map(({ name }) => name), this.about(), LICENCES);
     this.panels.showLoop(this.clock.loop);
     this.setRate(url.rate ?? 1);
+    if (url.part !== null && url.part.to <= time.duration) this.setPart(url.part);
     const showCamera = (index: number) => {
       this.panels.showCamera(index);
       this.comparison.end();
@@ -105,6 +109,8 @@ class Page {
   private applySettings(): void {
     this.viewpoint.stay(this.settings.settings.stay);
     this.view.setShDegree(this.settings.settings.shDegree);
+    this.view.setBackground(url.background ?? colourOf(this.settings.settings.background));
+    if (!this.settings.settings.numbers) this.panels.showNumbers(null);
     this.resize();
   }
 
@@ -148,11 +154,26 @@ class Page {
     this.showLoading(waiting);
     this.panels.showTrouble(this.lost ?? trouble);
     this.comparison.keep(this.t(seconds), playing);
+    this.showWhole(this.comparison.on);
+    if (this.settings.settings.numbers) this.panels.showNumbers(this.numbers());
     this.panels.showTime(seconds);
     this.panels.showPlaying(playing);
     this.panels.showSound(this.clock.muted, this.clock.soundBlocked);
     if (!playing && !this.remembered) rememberInUrl({ t: seconds.toFixed(3), paused: "1" });
     this.remembered = !playing;
+  }
+
+  /** A test image lies over all of the lens's image. */
+  private showWhole(whole: boolean): void {
+    if (whole === this.camera.whole) return;
+    this.camera.whole = whole;
+    ++this.camera.version;
+  }
+
+  private numbers(): string {
+    const rate = this.rate.count(performance.now());
+    const megabytes = (this.loaded.bytes / 1e6).toFixed(1);
+    return `${rate} images/s · ${this.info.gaussians.toLocaleString("en")} Gaussians · ${megabytes} MB`;
   }
 
   private showScene(): void {
@@ -214,11 +235,40 @@ class Page {
     }
   }
 
-  private async share(): Promise<void> {
+  /** The address of this view at this time. */
+  private address(): string {
     const values = { t: this.clock.now().toFixed(3), ...this.viewpoint.values };
     rememberInUrl(values);
-    const line = await share(withValues(location.href, values), document.title);
+    return withValues(location.href, values);
+  }
+
+  private async share(embed: boolean): Promise<void> {
+    const line = await (embed ? shareEmbed : share)(this.address(), document.title);
     if (line !== null) this.panels.showNotice(line);
+  }
+
+  private async saveImage(): Promise<void> {
+    const image = await this.view.image();
+    if (image === null) return this.panels.showNotice("The browser gives no image");
+    saveImage(image, imageName(document.title, this.clock.now()));
+  }
+
+  private setPart(part: Part | { from: number } | null): void {
+    this.part = part;
+    const whole = part !== null && "to" in part ? part : null;
+    this.clock.setPart(whole);
+    this.panels.showPart(part);
+    const word = whole && `${whole.from.toFixed(3)}-${whole.to.toFixed(3)}`;
+    rememberInUrl({ part: word });
+  }
+
+  /** The start of a part, then its end, then all of the clip again. */
+  private nextPart(): void {
+    const now = this.clock.now();
+    if (this.part === null) return this.setPart({ from: now });
+    if ("to" in this.part || now === this.part.from) return this.setPart(null);
+    const [from, to] = [now, this.part.from].sort((a, b) => a - b);
+    this.setPart({ from, to });
   }
 
   private act(action: Action): void {
@@ -253,7 +303,15 @@ class Page {
       case "vr":
         return void this.toggleVr();
       case "share":
-        return void this.share();
+        return void this.share(false);
+      case "embed":
+        return void this.share(true);
+      case "save":
+        return void this.saveImage();
+      case "numbers":
+        return this.settings.toggleNumbers();
+      case "part":
+        return this.nextPart();
       case "mute":
         return clock.mute(clock.muted !== true);
       case "sound":

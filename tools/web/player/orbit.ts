@@ -4,7 +4,7 @@
 import * as THREE from "three";
 import type { Quaternion, Triple } from "./manifest";
 import type { Lens, ViewCamera } from "./scene_view";
-import type { Pose } from "./view_camera";
+import { lensScale, type Pose } from "./view_camera";
 
 const TURN = Math.PI; // radians for a drag along the shorter side of the window
 const POLE = 0.05; // radians that remain between the viewing direction and `up`
@@ -136,7 +136,7 @@ export class Orbit {
   /** Focal length on the surface, CSS pixels. */
   private get focal(): number {
     const { clientWidth, clientHeight } = this.surface;
-    return this.lens.fx * Math.min(clientWidth / this.lens.width, clientHeight / this.lens.height);
+    return this.lens.fx * lensScale(this.lens, this.camera.whole, clientWidth, clientHeight);
   }
 
   private pan(dx: number, dy: number): void {

@@ -20,6 +20,7 @@ export interface ViewCamera {
   position: Triple; // world units
   rotation: Quaternion; // camera axes (right, down, forward) into the world
   lens: Lens;
+  whole: boolean; // the lens's image is to be seen whole, also in an upright window
   version: number;
 }
 
@@ -61,6 +62,10 @@ export interface SceneView {
    * the screen is that of t (data, depth order, pixels), and what is missing.
    */
   setTime(t: number, play: Play): Drawn;
+  /** sRGB, 0 to 255; null: that of the scene. */
+  setBackground(colour: Triple | null): void;
+  /** The image on the screen as a PNG. */
+  image(): Promise<Blob | null>;
   /** The highest degree of view-dependent colours that is drawn, 0 to 3; frames have all of theirs. */
   setShDegree(degree: number): void;
   /** Depth of what a ray meets first at the time that is drawn; null: nothing, or not known. */

@@ -5,11 +5,21 @@ export interface Settings {
   resolution: number; // share of the display's pixels
   shDegree: number; // highest degree of the colours that is drawn, 0 to 3
   frameRate: number; // most images a second; 0: as many as the display shows
+  background: string; // "": of the scene; else a colour as in the address
   stay: boolean; // within what the cameras have seen
+  numbers: boolean; // images a second and sizes are shown
 }
 
 const KEY = "tessera-settings";
-const PLAIN: Settings = { resolution: 1, shDegree: 3, frameRate: 0, stay: true };
+const PLAIN: Settings = {
+  resolution: 1,
+  shDegree: 3,
+  frameRate: 0,
+  background: "",
+  stay: true,
+  numbers: false,
+};
+const BACKGROUNDS = ["", "000000", "808080", "ffffff"];
 
 /** Values of another version or of another page are left out. */
 export function settingsOf(text: string | null): Settings {
@@ -25,7 +35,9 @@ export function settingsOf(text: string | null): Settings {
     resolution: oneOf(kept.resolution, [0.5, 0.75, 1], PLAIN.resolution),
     shDegree: oneOf(kept.shDegree, [0, 1, 2, 3], PLAIN.shDegree),
     frameRate: oneOf(kept.frameRate, [0, 30, 15], PLAIN.frameRate),
+    background: BACKGROUNDS.find((colour) => colour === kept.background) ?? PLAIN.background,
     stay: typeof kept.stay === "boolean" ? kept.stay : PLAIN.stay,
+    numbers: typeof kept.numbers === "boolean" ? kept.numbers : PLAIN.numbers,
   };
 }
 
@@ -37,6 +49,7 @@ export class SettingsPanel {
   readonly settings = settingsOf(SettingsPanel.kept());
   /** Told when flight is switched on or off; a page always opens without it. */
   onFly: (on: boolean) => void = () => {};
+  private changed: () => void = () => {};
 
   /** `onChange`: told of every change; `canStay`: whether the scene has cameras to stay with. */
   constructor(onChange: () => void, canStay: boolean) {
@@ -49,15 +62,31 @@ export class SettingsPanel {
         onChange();
       });
     }
-    control("stay").checked = settings.stay;
-    control("stay").disabled = !canStay;
-    control("stay").addEventListener("change", () => {
-      settings.stay = control("stay").checked;
+    control("background").value = settings.background;
+    control("background").addEventListener("change", () => {
+      settings.background = control("background").value;
       this.keep();
       onChange();
     });
+    control("stay").disabled = !canStay;
+    for (const name of ["stay", "numbers"] as const) {
+      control(name).checked = settings[name];
+      control(name).addEventListener("change", () => this.setFlag(name, control(name).checked));
+    }
+    this.changed = onChange;
     this.showFly(false);
     control("fly").addEventListener("change", () => this.onFly(control("fly").checked));
+  }
+
+  private setFlag(name: "stay" | "numbers", on: boolean): void {
+    this.settings[name] = on;
+    this.keep();
+    this.changed();
+  }
+
+  toggleNumbers(): void {
+    control("numbers").checked = !this.settings.numbers;
+    this.setFlag("numbers", !this.settings.numbers);
   }
 
   showFly(on: boolean): void {

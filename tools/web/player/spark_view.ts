@@ -46,6 +46,8 @@ export class SparkView implements SceneView {
   private t = 0;
   private play: Play = { ahead: 0, loop: false };
   private disposed = false;
+  private background: Triple = [0, 0, 0]; // of the scene
+  private chosen: Triple | null = null; // in its place
   private head: Triple | null = null; // in a headset: where an eye is, world units
 
   /** Throws PlayerError where there is no WebGL2. */
@@ -59,7 +61,8 @@ export class SparkView implements SceneView {
   async load(source: OpenedSource, onProgress: OnProgress): Promise<SceneInfo> {
     const drawn: { background: Triple; splat: SplatRules } =
       source.kind === "4d" ? source.blocks.manifest : source.sequence;
-    this.stage.setBackground(drawn.background);
+    this.background = drawn.background;
+    this.stage.setBackground(this.chosen ?? this.background);
     this.stage.setRules(drawn.splat);
     const changed = () => (this.dirty = true);
     const eye = () => this.head ?? this.camera.position;
@@ -102,6 +105,16 @@ export class SparkView implements SceneView {
     // the draw before this call was the last one that was due
     const complete = !waiting && (headset.on || (!due && this.stage.sorted));
     return { waiting, complete, trouble: content.trouble(t) };
+  }
+
+  setBackground(colour: Triple | null): void {
+    this.chosen = colour;
+    this.stage.setBackground(colour ?? this.background);
+    this.dirty = true;
+  }
+
+  image(): Promise<Blob | null> {
+    return this.stage.image();
   }
 
   setShDegree(degree: number): void {

@@ -5,6 +5,7 @@ import * as THREE from "three";
 import type { SplatRules, Triple } from "./manifest";
 import { PlayerError } from "./player_error";
 import type { SceneInfo, ViewCamera } from "./scene_view";
+import { lensScale } from "./view_camera";
 import { Headset } from "./xr";
 
 const MAX_PIXEL_RADIUS = 8192; // of a splat: no limit in practice, as in the program's renderer
@@ -76,9 +77,9 @@ export class Stage {
 
   /** The rig's view, as large as fits, in the window's middle; what is around is seen too. */
   private applyCamera(): void {
-    const { position, rotation, lens } = this.view;
+    const { position, rotation, lens, whole } = this.view;
     const { width, height } = this.size;
-    const scale = Math.min(width / lens.width, height / lens.height);
+    const scale = lensScale(lens, whole, width, height);
     const fx = lens.fx * scale;
     const fy = lens.fy * scale;
     const cx = (width - lens.width * scale) / 2 + lens.cx * scale;
@@ -116,6 +117,12 @@ export class Stage {
   get sorted(): boolean {
     const { sorting, sortDirty, display, current } = this.spark;
     return !sorting && !sortDirty && display === current;
+  }
+
+  /** What is drawn now, before the browser takes it from the canvas. */
+  image(): Promise<Blob | null> {
+    this.draw();
+    return new Promise((resolve) => this.renderer.domElement.toBlob(resolve, "image/png"));
   }
 
   /** Waits until the card has done what it was told. */

@@ -1,6 +1,18 @@
 // The text of the page's clock: seconds with their unit, and the number of the frame where the
 // capture's frame rate or the times of its frames are known.
 
+/** Images of the last second. */
+export class ImageRate {
+  private readonly times: number[] = []; // ms
+
+  /** To be called for each image. */
+  count(now: number): number {
+    this.times.push(now);
+    while (now - this.times[0] >= 1000) this.times.shift();
+    return this.times.length;
+  }
+}
+
 export interface Clip {
   duration: number; // seconds
   fps: number | null; // of the capture

@@ -1,5 +1,6 @@
 // The page's panels: what they show, and the actions that their controls request.
 import type { Action } from "./keys";
+import type { Part } from "./clock";
 import { Poster } from "./poster";
 import { frameWords, timeWords, type Clip } from "./time_words";
 
@@ -54,6 +55,9 @@ export class Panels {
     press("sound", { do: "mute" });
     press("sound-ask", { do: "sound" });
     press("fullscreen", { do: "fullscreen" });
+    press("part", { do: "part" });
+    press("save", { do: "save" });
+    press("embed", { do: "embed" });
     // iPhones let a page have no full screen
     element("fullscreen").hidden = !("requestFullscreen" in document.documentElement);
     press("path", { do: "path" });
@@ -130,6 +134,21 @@ export class Panels {
 
   showPath(on: boolean): void {
     element("path").setAttribute("aria-pressed", String(on));
+  }
+
+  /** `from`: of a part whose end is not chosen yet; null: all is played. */
+  showPart(part: Part | { from: number } | null): void {
+    element("part").setAttribute("aria-pressed", String(part !== null));
+    const share = (seconds: number) => `${(100 * seconds) / (this.clip.duration || 1)}%`;
+    const { style } = this.timeline;
+    style.setProperty("--part-from", part === null ? "0%" : share(part.from));
+    style.setProperty("--part-to", part === null ? "0%" : share("to" in part ? part.to : part.from));
+  }
+
+  /** null: they are not wanted. */
+  showNumbers(line: string | null): void {
+    element("numbers").hidden = line === null;
+    if (line !== null) setText(element("numbers"), line);
   }
 
   /** Where the browser has a headset. */

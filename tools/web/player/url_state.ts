@@ -1,5 +1,7 @@
-// The state of the page in its address, ?scene=&t=&cam=&view=&rate=&paused=&loop=&path=&ui=, so
-// that a copied address shows the same time from the same camera.
+// The state of the page in its address, ?scene=&t=&cam=&view=&rate=&paused=&loop=&part=&path=&bg=&ui=,
+// so that a copied address shows the same time from the same camera.
+import type { Part } from "./clock";
+import type { Triple } from "./manifest";
 
 export interface UrlState {
   scene: string | null;
@@ -9,13 +11,29 @@ export interface UrlState {
   rate: number | null;
   paused: boolean;
   loop: boolean;
+  part: Part | null; // that is played over and over
   path: boolean; // whether the camera moves by itself
+  background: Triple | null; // in the place of the scene's
   panels: boolean;
 }
 
 function numberOf(value: string | null): number | null {
   const number = value === null || value.trim() === "" ? NaN : Number(value);
   return Number.isFinite(number) ? number : null;
+}
+
+/** "0.5-1.25", seconds. */
+export function partOf(value: string | null): Part | null {
+  const [, from, to] = /^(\d*\.?\d+)-(\d*\.?\d+)$/.exec(value ?? "") ?? [];
+  return from !== undefined && Number(to) > Number(from)
+    ? { from: Number(from), to: Number(to) }
+    : null;
+}
+
+/** "ffffff", or null. */
+export function colourOf(value: string | null): Triple | null {
+  if (!/^[0-9a-f]{6}$/i.test(value ?? "")) return null;
+  return [0, 2, 4].map((k) => parseInt(value!.slice(k, k + 2), 16)) as Triple;
 }
 
 /** A bare key (?paused) means yes. */
@@ -35,7 +53,9 @@ export function readUrl(search: string): UrlState {
     rate: rate !== null && rate > 0 ? rate : null,
     paused: flagOf(query.get("paused"), false),
     loop: flagOf(query.get("loop"), true),
+    part: partOf(query.get("part")),
     path: flagOf(query.get("path"), false),
+    background: colourOf(query.get("bg")),
     panels: flagOf(query.get("ui"), true),
   };
 }

@@ -88,14 +88,25 @@ export function rigPose(camera: Camera, info: SceneInfo): Pose {
   return poseFrom(new THREE.Vector3(...camera.position), rotationOf(camera), lens, info);
 }
 
+/**
+ * Pixels of a window for a pixel of the lens, whose image is in its middle: as large as fits. In an
+ * upright window the sides of a wide image are cut, half way to one that fills the window, unless it
+ * is wanted whole.
+ */
+export function lensScale(lens: Lens, whole: boolean, width: number, height: number): number {
+  const fit = Math.min(width / lens.width, height / lens.height);
+  const isUpright = height > width && lens.width > lens.height;
+  return isUpright && !whole ? Math.sqrt(fit * (height / lens.height)) : fit;
+}
+
 /** Through a point of a window, CSS pixels; the lens fits into it as stage.ts draws it. */
 export function rayOf(
-  { position, rotation, lens }: ViewCamera,
+  { position, rotation, lens, whole }: ViewCamera,
   width: number,
   height: number,
   [x, y]: [number, number],
 ): Ray {
-  const scale = Math.min(width / lens.width, height / lens.height);
+  const scale = lensScale(lens, whole, width, height);
   const right = ((x - width / 2) / scale + lens.width / 2 - lens.cx) / lens.fx;
   const down = ((y - height / 2) / scale + lens.height / 2 - lens.cy) / lens.fy;
   const [qw, qx, qy, qz] = rotation;
