@@ -172,7 +172,7 @@ TEST(CliBadInput, UnknownNamesSuggestTheNearest) {
   work.expect_refused(work.train_arguments("run", {"--backend", "vulkan"}),
                       {"unknown backend 'vulkan'", "cpu or cuda"});
   work.expect_refused({"export", work.at("x"), "-o", work.at("y"), "--format", "fbx"},
-                      {"unknown format 'fbx'", "there are tessera, page, html, model, ply"});
+                      {"unknown format 'fbx'", "there are tessera, page, html, model, ftgs"});
   if (TESSERA_HAS_INGEST)
     work.expect_refused({"ingest", work.at("capture"), "-o", work.at("x"), "--poses", "magic"},
                         {"--poses 'magic'", "n3dv"});

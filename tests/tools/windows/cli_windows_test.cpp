@@ -194,8 +194,8 @@ TEST_F(CliWindows, ViewsAndFramesAreThoseOfTheirWindow) {
   }
   EXPECT_EQ(frames("run", "all_frames", {})["frames"], 46) << "at the rate of the cameras";
   const ChildResult warned =
-      work.run({"export", work.at("run"), "-o", work.at("splats"), "--format", "spz"});
-  EXPECT_NE(warned.err.find("another filter"), std::string::npos) << "as of one model";
+      work.run({"export", work.at("run"), "-o", work.at("splats"), "--format", "splat"});
+  EXPECT_NE(warned.err.find("antialiased (mip)"), std::string::npos) << "as of one model";
   const ChildResult path = work.run({"render", work.at("run"), "--path", "spiral", "--fps", "12",
                                      "--seconds", "2", "-o", work.at("path"), "--backend", "cpu"});
   EXPECT_EQ(path.exit_code, 0) << path.err;
