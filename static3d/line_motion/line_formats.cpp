@@ -105,6 +105,8 @@ const std::vector<LineFormat>& line_formats() {
       {"sogst-ply", ".sogst.ply", "lines as floats, in seconds; encoders of .sogst",
        save_sogst_ply},
       {"tsog", ".tsog", "a sixth of ftgs; ftgs-player", save_tsog},
+      {"usda", ".usda", "text with time samples; OpenUSD 26.03, Omniverse, Houdini", save_usda,
+       false},
   };
   return rows;
 }

@@ -26,6 +26,7 @@ struct LineFormat {
   /// left out because they are too far from the others for the range of the format. Errors:
   /// InputError: what it cannot hold, a build without libwebp.
   int64_t (*save)(const std::filesystem::path&, const GaussianModel&, double fps);
+  bool is_read = true;  // by load_line_file
 };
 const std::vector<LineFormat>& line_formats();
 /// Nothing: no format of lines has that name.
@@ -49,5 +50,7 @@ LineFile load_sogst(const std::filesystem::path& path, const SogArchive& archive
 
 int64_t save_tsog(const std::filesystem::path& path, const GaussianModel& model, double fps);
 LineFile load_tsog(const std::filesystem::path& path, const SogArchive& archive);
+
+int64_t save_usda(const std::filesystem::path& path, const GaussianModel& model, double fps);
 
 }  // namespace tessera

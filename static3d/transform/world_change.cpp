@@ -118,7 +118,7 @@ void change_nodes(const Change& change, MotionNodes& nodes) {
 }  // namespace
 
 void flip_axes(GaussianSet& set, const AxisSigns& s) {
-  check(set.dim() == 3, "flip_axes: a static set");
+  check(set.form() != SetForm::kPair, "flip_axes: a set whose velocities are stored");
   check(s.x * s.y * s.z == 1, "flip_axes: signs of a rotation");
   const GaussianSpans<float> values = set.values();
   const float mean[3] = {s.x, s.y, s.z};
@@ -126,6 +126,8 @@ void flip_axes(GaussianSet& set, const AxisSigns& s) {
   const auto sh = sh_signs(s);
   for (int64_t n = 0; n < set.count(); ++n) {
     for (int k = 0; k < 3; ++k) values.at(kMean, n)[k] *= mean[k];
+    for (int k = 0; k < 3 && set.form() == SetForm::kVelocity; ++k)
+      values.at(kVelocity, n)[k] *= mean[k];
     for (int k = 0; k < 4; ++k) values.at(kRotation, n)[k] *= rotation[k];
     for (int i = 1; i < set.coefficients(); ++i)
       for (int c = 0; c < 3; ++c) values.at(kSh, n)[3 * i + c] *= sh[size_t(i)];

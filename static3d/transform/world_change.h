@@ -19,7 +19,7 @@ inline constexpr AxisSigns kAsIs{1, 1, 1};
 inline constexpr AxisSigns kRightUpBack{1, -1, -1};  // SPZ, three.js, of right-down-front
 inline constexpr AxisSigns kLeftUpFront{-1, -1, 1};  // glTF as viewers have it
 
-/// Means, quaternions, velocities and SH in the flipped world; its own inverse.
+/// Means, quaternions, velocities and SH in the flipped world; its own inverse. Not of a pair.
 void flip_axes(GaussianSet& set, const AxisSigns& signs);
 
 /// Values in another world; spherical harmonics turn along, opacities, timesteps of life and their

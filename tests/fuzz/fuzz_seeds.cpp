@@ -81,6 +81,7 @@ void write_splats(const fs::path& folder) {
 
 void write_lines(const fs::path& folder) {
   for (const LineFormat& format : line_formats()) {
+    if (!format.is_read) continue;
 #ifndef TESSERA_HAS_WEBP
     if (!std::string(format.extension).ends_with(".ply")) continue;
 #endif

@@ -121,9 +121,9 @@ class WrittenFrames : public WrittenFiles {
   std::map<double, std::string> files_;
 };
 
-/// Nothing of the Tessera 4D file, whose bounds of errors are stated.
+/// Nothing of the Tessera 4D file, whose bounds of errors are stated, and of what is not read.
 std::unique_ptr<WrittenFiles> written_files(const ExportRequest& request) {
-  if (const LineFormat* const lines = find_line_format(request.format))
+  if (const LineFormat* const lines = find_line_format(request.format); lines && lines->is_read)
     return std::make_unique<WrittenLines>(line_file_of(request.out, *lines));
   if (find_time_format(request.format) != nullptr) return nullptr;
   return std::make_unique<WrittenFrames>(request.out);

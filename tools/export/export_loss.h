@@ -13,7 +13,8 @@ namespace tessera {
 /// rig's cameras, else of an orbit, with timesteps of the frames, else spread over the clip.
 /// `views`, how many; `psnr`, dB between the clip and the files drawn by its rules; and
 /// `psnr_players`, the same drawn as players of 3DGS files draw, which know no other rules. Of the
-/// mean squared difference of 8-bit images. Empty for the Tessera 4D file. Errors: as
+/// mean squared difference of 8-bit images. Empty for the Tessera 4D file and
+/// for what is not read. Errors: as
 /// load_line_file, load_splat_file.
 nlohmann::json export_loss(const ExportRequest& request, const Clip& clip);
 
