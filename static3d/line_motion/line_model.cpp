@@ -1,13 +1,11 @@
-// Joins the cores of windows, in the time of the clip.
+// Joins the cores of windows, in the time of the clip, and what motion nodes carry.
 #include "static3d/line_motion/line_model.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/base/errors.h"
 #include "recon4d/model/element_edits.h"
+#include "static3d/line_motion/carried_lines.h"
 #include "static3d/line_motion/lines.h"
 #include "static3d/transform/motion_form.h"
 
@@ -38,23 +36,23 @@ GaussianSet core_of(const GaussianModel& model, const FileWindow& window, bool i
 
 }  // namespace
 
-GaussianModel line_model(const WindowModels& windows, const GaussianModel& still,
-                         const std::string& where) {
-  if (!still.nodes.empty())
-    throw InputError(fmt::format(
-        "{}: motion nodes carry its Gaussians, and the format has lines; take --format tessera, "
-        "page, html or frames (ply, spz, …)",
-        where));
+GaussianModel line_model(const WindowModels& windows, const GaussianModel& still) {
   GaussianModel joined = still.clone_values();
   std::vector<GaussianSet> cores;
-  int64_t count = 0;
-  for (size_t i = 0; i < windows.windows.size(); ++i) {
+  if (!still.nodes.empty()) {
+    cores.push_back(lines_of_carried(still.static_set, still.nodes));
+    joined.static_set = GaussianSet(SetForm::kStatic, 1);
+    joined.nodes = MotionNodes();
+  }
+  for (size_t i = 0; i < windows.windows.size(); ++i)
     cores.push_back(
         core_of(windows.load(int(i)), windows.windows[i], i == 0, i + 1 == windows.windows.size()));
-    count += cores.back().count();
-  }
+  int64_t count = 0;
   int coefficients = 1;
-  for (const GaussianSet& core : cores) coefficients = std::max(coefficients, core.coefficients());
+  for (const GaussianSet& core : cores) {
+    count += core.count();
+    coefficients = std::max(coefficients, core.coefficients());
+  }
   joined.dynamic_set = GaussianSet(SetForm::kVelocity, coefficients);
   joined.dynamic_set.resize(count);
   int64_t first = 0;

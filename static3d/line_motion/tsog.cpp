@@ -105,7 +105,8 @@ int64_t save_tsog(const std::filesystem::path& path, const GaussianModel& model,
     throw InputError(
         fmt::format("{}: .tsog holds at least one Gaussian, there is none", path.string()));
   const auto life = [&](int64_t n, int k) {
-    return k == 0 ? double(*from.at(kMeanTime, n)) : std::exp(double(*from.at(kLogScaleTime, n)));
+    if (k == 0) return double(*from.at(kMeanTime, n));
+    return std::min(std::exp(double(*from.at(kLogScaleTime, n))), kStillExtent);
   };
   const auto speed = [&](int64_t n, int k) { return double(from.at(kVelocity, n)[k]); };
   const SogRange extents(from.count, 2, life);

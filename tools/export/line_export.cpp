@@ -21,7 +21,7 @@ nlohmann::json export_lines(const ExportRequest& request, Clip& clip) {
   const std::string name = line_file_of("", format).string();
   OutputFolder folder(request.out, "export", {name}, request.overwrite);
   const GaussianModel still = clip.count() > 1 ? clip.load_static() : clip.head->clone_values();
-  const GaussianModel model = line_model(clip.windows, still, clip.file.string());
+  const GaussianModel model = line_model(clip.windows, still);
   const double fps =
       request.times.fps.value_or(rig_of(request.cameras, request.model, *clip.head).fps);
   const int64_t far = format.save(folder.path(name), model, fps);

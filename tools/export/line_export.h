@@ -12,7 +12,7 @@ namespace tessera {
 /// FOLDER/scene.ftgs.ply
 std::filesystem::path line_file_of(const std::filesystem::path& folder, const LineFormat& format);
 
-/// One file of the whole clip; result and errors as of TimeFormat::write, and of line_model.
+/// One file of the whole clip; result and errors as of TimeFormat::write.
 nlohmann::json export_lines(const ExportRequest& request, Clip& clip);
 
 }  // namespace tessera

@@ -229,7 +229,7 @@ TEST_F(LinePly, WindowsGiveWhatTheirCoresHave) {
   const GaussianModel model = some_clip(1);
   const WindowModels two{{{{0, 0.6}, {0, 0.47}}, {{0.4, 1}, {0.47, 1}}},
                          [&](int) { return model.clone_values(); }};
-  const GaussianModel joined = line_model(two, model, "clip");
+  const GaussianModel joined = line_model(two, model);
   const GaussianSpans<const float> values = joined.dynamic_set.values();
   // times 0, 1/6 … 1 of windows of 0.6: the first keeps those below 0.47, the second the others
   ASSERT_EQ(joined.dynamic_set.count(), 5 + 6);

@@ -36,7 +36,7 @@ inline int64_t save_lines(const std::filesystem::path& path, const GaussianModel
   int64_t left_out = -1;
   for (const LineFormat& format : line_formats())
     if (path.filename().string().ends_with(format.extension))
-      left_out = format.save(path, line_model(whole, model, "model"), fps);
+      left_out = format.save(path, line_model(whole, model), fps);
   return left_out;
 }
 

@@ -8,8 +8,7 @@
 #include "kernels/base/errors.h"
 #include "static3d/tessera4d/node_streams.h"
 #include "static3d/tessera4d/tessera4d.h"
-#include "tests/recon4d/model/small_models.h"
-#include "tests/support/carried_scene.h"
+#include "tests/recon4d/model/carried_model.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/tessera4d_input.h"
 
@@ -18,49 +17,10 @@ namespace {
 
 using nlohmann::json;
 
-/// Gaussians that nine nodes carry, each bound to at most `most` of them, every fifth to none.
-GaussianModel carried_model(int most, int64_t count = 40) {
-  Random random(31);
-  TestScene<double> scene = random_scene(count, 3, 0.15, 30);
-  const TestNodes<double> nodes = random_nodes(9, 6, random);
-  GaussianModel model;
-  model.static_set = set_of(canonical(scene.fixed, nodes, random, [most](int64_t n) {
-    return n % 5 == 4 ? 0 : 1 + int(n) % most;
-  }));
-  model.dynamic_set = GaussianSet(SetForm::kVelocity, model.static_set.coefficients());
-  model.drawing.sh_degree = 3;
-  while (sh_coefficients(model.drawing.sh_degree) > model.static_set.coefficients())
-    --model.drawing.sh_degree;
-  model.nodes.resize(nodes.count, nodes.knots);
-  const NodeSpans<float> to = model.nodes.spans();
-  std::copy(nodes.position.begin(), nodes.position.end(), to.position.data);
-  std::copy(nodes.log_radius.begin(), nodes.log_radius.end(), to.log_radius.data);
-  std::copy(nodes.translation.begin(), nodes.translation.end(), to.translation.data);
-  std::copy(nodes.rotation.begin(), nodes.rotation.end(), to.rotation.data);
-  return model;
-}
-
 Tessera4dInput through_folder(const Tessera4dFile& file) {
   const ScratchFolder folder;
   write_tessera4d_folder(folder.path(), file);
   return load_tessera4d(folder.path());
-}
-
-/// PSNR between the images of two models at timesteps of the clip, its ends and beyond, dB.
-double likeness(const GaussianModel& a, const GaussianModel& b) {
-  const std::unique_ptr<Backend> backend = make_cpu_backend();
-  std::vector<View> views;
-  for (const double time : {-0.1, 0.0, 0.3, 0.62, 1.0})
-    for (View view : three_views()) {
-      view.time = time;
-      views.push_back(view);
-    }
-  const auto first = render_views(*backend, a, views), second = render_views(*backend, b, views);
-  double error = 0, count = 0;
-  for (size_t v = 0; v < views.size(); ++v)
-    for (size_t i = 0; i < first[v].rgb.size(); ++i, ++count)
-      error += std::pow(double(first[v].rgb[i]) - double(second[v].rgb[i]), 2);
-  return 10 * std::log10(count / error);
 }
 
 // Bugs put back: control points in the order of the Gaussians; the rest of the weights not given to
