@@ -178,17 +178,24 @@ test('keys', () => {
   assert.deepEqual(actionOf('ArrowLeft'), {do: 'step', frames: -1});
   assert.deepEqual(actionOf('1'), {do: 'camera', index: 0});
   assert.deepEqual(actionOf(']'), {do: 'rate', steps: 1});
-  assert.equal(actionOf('x'), null);
+  assert.deepEqual(actionOf('x'), {do: 'save'});
+  assert.equal(actionOf('q'), null);
 });
 
 // Bug put back: ?paused without a value as no; seen to fail.
 test('the address', () => {
   assert.deepEqual(readUrl('?t=1.5&cam=cam%2001&rate=0.5&paused&ui=0'),
                    {scene: null, seconds: 1.5, camera: 'cam 01', view: null, rate: 0.5, paused: true,
-                    loop: true, path: false, panels: false});
+                    loop: true, part: null, path: false, background: null, panels: false});
+  const shown = readUrl('?part=0.5-1.25&bg=ff8000');
+  assert.deepEqual(shown.part, {from: 0.5, to: 1.25});
+  assert.deepEqual(shown.background, [255, 128, 0]);
+  assert.equal(readUrl('?part=2-1&bg=red').part, null);
+  assert.equal(readUrl('?part=2-1&bg=red').background, null);
   assert.deepEqual(readUrl('?t=soon&rate=-1&loop=0&scene=a/b.t4d'),
                    {scene: 'a/b.t4d', seconds: null, camera: null, view: null, rate: null,
-                    paused: false, loop: false, path: false, panels: true});
+                    paused: false, loop: false, part: null, path: false, background: null,
+                    panels: true});
   assert.equal(withValues('http://a/b?t=1&x=2', {t: '3', x: null}), 'http://a/b?t=3');
 });
 

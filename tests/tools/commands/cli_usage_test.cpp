@@ -85,7 +85,7 @@ TEST(CliUsage, UnknownOptions) {
   work.expect_refused({"export", "x", "-o", "y", "--format", "mp4"},
                       {"for a video: tessera render RUN --path orbit --mp4"});
   expect_no_suggestion(work, {"train", "x", "-o", "y", "--preset", "x"}, "there are fast, ");
-  expect_no_suggestion(work, {"export", "x", "-o", "y", "--format", "usdz"}, "there are tessera, ");
+  expect_no_suggestion(work, {"export", "x", "-o", "y", "--format", "dxf"}, "there are tessera, ");
   EXPECT_FALSE(fs::exists(work / "x"));
 }
 
