@@ -25,7 +25,6 @@ namespace {
 using nlohmann::json;
 
 constexpr int kFloat = 5126, kByte = 5121;  // component types of glTF
-const std::string kExtension = "KHR_gaussian_splatting";
 
 /// The buffer as it grows, with a view and an accessor for each column.
 class GlbColumns {
@@ -102,7 +101,7 @@ json GlbColumns::document() const {
                           {"projection", "perspective"},
                           {"sortingMethod", "cameraDistance"}};
   return {{"asset", {{"version", "2.0"}, {"generator", "tessera"}}},
-          {"extensionsUsed", {kExtension}},
+          {"extensionsUsed", {kGlbExtension}},
           {"scene", 0},
           {"scenes", {{{"nodes", {0}}}}},
           {"nodes", {{{"mesh", 0}}}},
@@ -110,7 +109,7 @@ json GlbColumns::document() const {
            {{{"primitives",
               {{{"mode", 0},
                 {"attributes", attributes_},
-                {"extensions", {{kExtension, splatting}}}}}}}}},
+                {"extensions", {{kGlbExtension, splatting}}}}}}}}},
           {"accessors", accessors_},
           {"bufferViews", views_},
           {"buffers", {{{"byteLength", buffer_.size()}}}}};
@@ -125,18 +124,18 @@ void add_columns(GlbColumns& columns, const GaussianSpans<const float>& set, int
   columns.add_floats("POSITION", 3, copy(kMean, 0, 3));
   columns.bound_positions();
   columns.add_colours();
-  columns.add_floats(kExtension + ":ROTATION", 4, [&](int64_t n, float* to) {
+  columns.add_floats(kGlbExtension + ":ROTATION", 4, [&](int64_t n, float* to) {
     const float* const q = set.at(kRotation, n);
     for (int k = 0; k < 4; ++k) to[k] = q[(k + 1) % 4];  // x, y, z, w
   });
-  columns.add_floats(kExtension + ":SCALE", 3, [&](int64_t n, float* to) {
+  columns.add_floats(kGlbExtension + ":SCALE", 3, [&](int64_t n, float* to) {
     for (int k = 0; k < 3; ++k) to[k] = std::exp(set.at(kLogScale, n)[k]);
   });
-  columns.add_floats(kExtension + ":OPACITY", 1,
+  columns.add_floats(kGlbExtension + ":OPACITY", 1,
                      [&](int64_t n, float* to) { *to = sigmoid(*set.at(kOpacityLogit, n)); });
   for (int degree = 0, i = 0; degree <= sh_degree; ++degree)
     for (int m = 0; m <= 2 * degree; ++m, ++i)
-      columns.add_floats(fmt::format("{}:SH_DEGREE_{}_COEF_{}", kExtension, degree, m), 3,
+      columns.add_floats(fmt::format("{}:SH_DEGREE_{}_COEF_{}", kGlbExtension, degree, m), 3,
                          copy(kSh, 3 * i, 3));
 }
 

@@ -21,7 +21,6 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kExtension = "KHR_gaussian_splatting";
 constexpr float kLeastScale = 1e-12f;
 
 /// The chunks of a file, and lookups that name what is wrong.
@@ -124,9 +123,9 @@ std::vector<json> splats_in(const GlbFile& file) {
     for (const json& primitive : mesh["primitives"]) {
       const json extensions =
           primitive.is_object() ? primitive.value("extensions", json()) : json();
-      if (!extensions.is_object() || !extensions.contains(kExtension)) continue;
-      const json inner = extensions[kExtension].is_object()
-                             ? extensions[kExtension].value("extensions", json::object())
+      if (!extensions.is_object() || !extensions.contains(kGlbExtension)) continue;
+      const json inner = extensions[kGlbExtension].is_object()
+                             ? extensions[kGlbExtension].value("extensions", json::object())
                              : json::object();
       if (inner.is_object() && !inner.empty())
         file.fail(
@@ -173,7 +172,7 @@ SplatFile load_glb(const std::filesystem::path& path) {
     return values_of(file, index(name), width, count);
   };
   const auto sh_name = [](int degree, int m) {
-    return fmt::format("{}:SH_DEGREE_{}_COEF_{}", kExtension, degree, m);
+    return fmt::format("{}:SH_DEGREE_{}_COEF_{}", kGlbExtension, degree, m);
   };
   int degree = 0;
   while (degree < kMaxShDegree && attributes.contains(sh_name(degree + 1, 0))) ++degree;
@@ -181,9 +180,10 @@ SplatFile load_glb(const std::filesystem::path& path) {
   result.set = GaussianSet(SetForm::kStatic, sh_coefficients(degree));
   result.set.resize(int64_t(count));
   const GaussianSpans<float> to = result.set.values();
-  const std::vector<float> means = column("POSITION", 3), scales = column(kExtension + ":SCALE", 3),
-                           rotations = column(kExtension + ":ROTATION", 4),
-                           opacities = column(kExtension + ":OPACITY", 1);
+  const std::vector<float> means = column("POSITION", 3),
+                           scales = column(kGlbExtension + ":SCALE", 3),
+                           rotations = column(kGlbExtension + ":ROTATION", 4),
+                           opacities = column(kGlbExtension + ":OPACITY", 1);
   const bool logarithms = std::any_of(scales.begin(), scales.end(), [](float s) { return s < 0; });
   for (size_t n = 0; n < count; ++n) {
     const auto row = int64_t(n);

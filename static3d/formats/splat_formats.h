@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "ingest/files/ply.h"
@@ -13,6 +14,9 @@ namespace tessera {
 
 /// Of a .ply, as Brush writes it and splat-transform, gsplat and nerfstudio read it.
 inline constexpr const char* kAntialiasedComment = "SplatRenderMode: mip";
+
+/// The extension of glTF, and how the names of its attributes begin.
+inline const std::string kGlbExtension = "KHR_gaussian_splatting";
 
 /// A .ply of either kind, plain or compressed, as it is. Errors: InputError naming the file and the
 /// property that is missing or of a wrong kind.

@@ -15,17 +15,14 @@
 namespace tessera {
 namespace {
 
-constexpr double kFramesPerSecond = 30;  // of a player that is told none
-constexpr double kFrames = 300;          // of a file that states none
-
-const std::vector<ForeignName>& names() {
+const std::vector<ForeignName>& ftgs_names() {
   static const std::vector<ForeignName> rows{{"time", "mean_time"}, {"log_duration", "scale_time"}};
   return rows;
 }
 
 /// Normals follow the position, as in the .ply of 3DGS.
-std::vector<SplatColumn> columns_to_write(int coefficients) {
-  std::vector<SplatColumn> columns = line_columns(names(), coefficients);
+std::vector<SplatColumn> ftgs_columns(int coefficients) {
+  std::vector<SplatColumn> columns = line_columns(ftgs_names(), coefficients);
   const std::vector<SplatColumn> normals{
       {"nx", std::nullopt, 0}, {"ny", std::nullopt, 0}, {"nz", std::nullopt, 0}};
   columns.insert(columns.begin() + 3, normals.begin(), normals.end());
@@ -51,7 +48,7 @@ int64_t save_ftgs_ply(const std::filesystem::path& path, const GaussianModel& mo
         fmt::format("n_frames {}", 1 + std::llround(model.time_axis.duration * fps)));
   for (std::string& note : comments_of(notes_of(model))) comments.push_back(std::move(note));
   write_splats(path, comments,
-               {{"vertex", &lines, lines.coefficients(), columns_to_write(lines.coefficients())}});
+               {{"vertex", &lines, lines.coefficients(), ftgs_columns(lines.coefficients())}});
   return 0;
 }
 
@@ -59,7 +56,7 @@ LineFile load_ftgs_ply(const std::filesystem::path& path, const PlyFile& file) {
   if (const double version = required_number(path, file, "ftgs_version"); version != 1)
     throw InputError(
         fmt::format("{}: FTGS PLY of version {}, this program reads 1", path.string(), version));
-  GaussianSet lines = read_lines(path, file, names());
+  GaussianSet lines = read_lines(path, file, ftgs_names());
   const double shortest = required_number(path, file, "min_duration");
   if (!(shortest > 0))
     throw InputError(fmt::format("{}: min_duration {}, expected more than 0; export it again",
@@ -72,8 +69,8 @@ LineFile load_ftgs_ply(const std::filesystem::path& path, const PlyFile& file) {
     if (!moves) std::fill_n(values.at(kVelocity, n), 3, 0.0f);
   }
   const std::vector<double> stated = comment_numbers(path, file.comments, "n_frames", 1);
-  const double frames = stated.empty() ? kFrames : stated[0];
-  GaussianModel model = model_of_lines(lines, {0, std::max(frames - 1, 1.0) / kFramesPerSecond});
+  const double frames = stated.empty() ? kUnstatedFrames : stated[0];
+  GaussianModel model = model_of_lines(lines, {0, std::max(frames - 1, 1.0) / kUnstatedRate});
   take_notes(notes_in(file.comments), path.string(), model);
   return {std::move(model), {}};
 }

@@ -12,6 +12,9 @@
 
 namespace tessera {
 
+/// Frames a second of a capture or file that states none, and frames of a file that states none.
+inline constexpr double kUnstatedRate = 30, kUnstatedFrames = 300;
+
 /// What a file of lines holds.
 struct LineFile {
   GaussianModel model;

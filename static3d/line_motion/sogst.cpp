@@ -22,10 +22,9 @@
 namespace tessera {
 namespace {
 
-constexpr int kVersion = 1;
+constexpr int kSogstVersion = 1;
 constexpr double kDeviations = 3.8, kPersistent = 3;  // as the specification's encoder
 constexpr double kSegmentSeconds = 0.5, kMostSegments = 65536;
-constexpr double kFramesPerSecond = 30;  // of a capture that states none
 
 /// When a line is seen, seconds.
 Interval life_of(const GaussianSpans<const float>& lines, int64_t n) {
@@ -134,8 +133,8 @@ int64_t save_sogst(const std::filesystem::path& path, const GaussianModel& model
   std::string meta = fmt::format(
       R"({{"version":{},"format":"sogst","asset":{{"generator":"tessera","tessera":{}}},"count":{},)"
       R"("time":{{"min":{},"max":{},"fps":{}}},)",
-      kVersion, nlohmann::json(notes_of(model)).dump(), from.count, axis.origin,
-      axis.origin + axis.duration, fps > 0 ? fps : kFramesPerSecond);
+      kSogstVersion, nlohmann::json(notes_of(model)).dump(), from.count, axis.origin,
+      axis.origin + axis.duration, fps > 0 ? fps : kUnstatedRate);
   meta += add_means(from, images) + "," + add_shapes_and_colours(from, images);
   const std::string files = add_planes("motion", from.count, speeds, speed, images);
   meta += fmt::format(R"(,"motion":{{"degree":1,{},{}}},)", speeds.text(), files);
@@ -146,7 +145,7 @@ int64_t save_sogst(const std::filesystem::path& path, const GaussianModel& model
 }
 
 LineFile load_sogst(const std::filesystem::path& path, const SogArchive& archive) {
-  if (archive.meta().value("version", nlohmann::json()) != kVersion)
+  if (archive.meta().value("version", nlohmann::json()) != kSogstVersion)
     archive.fail("its meta.json is not of version 1 of .sogst");
   const nlohmann::json& time = archive.object("time");
   const double origin = archive.number(time, "min");

@@ -14,9 +14,7 @@
 namespace tessera {
 namespace {
 
-constexpr double kFramesPerSecond = 30;  // of a capture that states none
-
-const std::vector<ForeignName>& names() {
+const std::vector<ForeignName>& sogst_names() {
   static const std::vector<ForeignName> rows{{"t_center", "mean_time"},
                                              {"t_sigma", "scale_time"},
                                              {"vx", "velocity_0"},
@@ -26,7 +24,7 @@ const std::vector<ForeignName>& names() {
 }
 
 /// In the order of the specification.
-std::vector<SplatColumn> columns_to_write(int coefficients) {
+std::vector<SplatColumn> sogst_columns(int coefficients) {
   constexpr const char* kOrder[] = {"x",       "y",      "z",        "rot_0",   "rot_1",
                                     "rot_2",   "rot_3",  "scale_0",  "scale_1", "scale_2",
                                     "opacity", "f_dc_0", "f_dc_1",   "f_dc_2",  "vx",
@@ -34,7 +32,7 @@ std::vector<SplatColumn> columns_to_write(int coefficients) {
   const auto place_of = [&](const SplatColumn& column) {
     return std::find(std::begin(kOrder), std::end(kOrder), column.name) - std::begin(kOrder);
   };
-  std::vector<SplatColumn> columns = line_columns(names(), coefficients);
+  std::vector<SplatColumn> columns = line_columns(sogst_names(), coefficients);
   std::stable_sort(columns.begin(), columns.end(), [&](const SplatColumn& a, const SplatColumn& b) {
     return place_of(a) < place_of(b);
   });
@@ -68,10 +66,10 @@ int64_t save_sogst_ply(const std::filesystem::path& path, const GaussianModel& m
   std::vector<std::string> comments{
       "sogst.version 1", fmt::format("sogst.time_min {}", axis.origin),
       fmt::format("sogst.time_max {}", axis.origin + axis.duration),
-      fmt::format("sogst.fps {}", fps > 0 ? fps : kFramesPerSecond), "sogst.motion_degree 1"};
+      fmt::format("sogst.fps {}", fps > 0 ? fps : kUnstatedRate), "sogst.motion_degree 1"};
   for (std::string& note : comments_of(notes_of(model))) comments.push_back(std::move(note));
   write_splats(path, comments,
-               {{"vertex", &lines, lines.coefficients(), columns_to_write(lines.coefficients())}});
+               {{"vertex", &lines, lines.coefficients(), sogst_columns(lines.coefficients())}});
   return 0;
 }
 
@@ -79,7 +77,7 @@ LineFile load_sogst_ply(const std::filesystem::path& path, const PlyFile& file) 
   const ModelNotes scalars = clip_scalars(path, file);
   const double origin = scalars.at("time_min");
   const TimeAxis axis{origin, scalars.at("time_max") - origin};
-  GaussianSet lines = read_lines(path, file, names());
+  GaussianSet lines = read_lines(path, file, sogst_names());
   from_seconds(path.string(), axis, lines);
   GaussianModel model = model_of_lines(lines, axis);
   take_notes(notes_in(file.comments), path.string(), model);

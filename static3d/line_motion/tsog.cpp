@@ -19,18 +19,16 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kVersion = 4;
+constexpr int kTsogVersion = 4;
 constexpr const char* kProfile = "org.opsiclear.tsog-playback";
 constexpr int kProfileVersion = 1;
 /// Normalised time: 0.2 % of opacity is lost at both ends of the clip, and the linear range of
 /// extents is still fine for those of a frame.
 constexpr double kStillExtent = 8;
-constexpr double kFramesPerSecond = 30;  // of a file that states none
-constexpr double kFrames = 300;          // the same, of one without a duration
 
 void check_kind(const SogArchive& archive) {
   const json& meta = archive.meta();
-  if (meta.value("version", json()) != kVersion)
+  if (meta.value("version", json()) != kTsogVersion)
     archive.fail("its meta.json is not of version 4 of .tsog");
   if (!archive.has("profile")) return;  // older files are read by the same rules
   const json& profile = archive.object("profile");
@@ -44,10 +42,10 @@ double duration_of(const SogArchive& archive) {
   const json none = json::object();
   const json& playback = archive.has("playback") ? archive.object("playback") : none;
   if (playback.contains("duration")) return archive.number(playback, "duration");
-  double fps = kFramesPerSecond;
+  double fps = kUnstatedRate;
   if (archive.has("fps")) fps = archive.number(archive.meta(), "fps");
   if (playback.contains("fps")) fps = archive.number(playback, "fps");
-  return (kFrames - 1) / fps;
+  return (kUnstatedFrames - 1) / fps;
 }
 
 /// A list of three numbers in a list of one.
@@ -115,7 +113,7 @@ int64_t save_tsog(const std::filesystem::path& path, const GaussianModel& model,
   std::string meta = fmt::format(
       R"({{"version":{},"profile":{{"id":"{}","version":{}}},"asset":{{"generator":"tessera",)"
       R"("tessera":{}}},"count":{},)",
-      kVersion, kProfile, kProfileVersion, json(notes_of(model)).dump(), from.count);
+      kTsogVersion, kProfile, kProfileVersion, json(notes_of(model)).dump(), from.count);
   meta += add_means(from, images) + "," + add_shapes_and_colours(from, images);
   meta += add_harmonics(from, degree, images);
   const std::string times = add_planes("timeline", from.count, extents, life, images);
@@ -125,7 +123,7 @@ int64_t save_tsog(const std::filesystem::path& path, const GaussianModel& model,
       fmt::format(R"(,"temporal":{{"means":{{"mins":[[{}]],"maxs":[[{}]],{}}}}})",
                   numbers_text(speeds.low.data(), 3), numbers_text(speeds.high.data(), 3), motion);
   meta += fmt::format(R"(,"playback":{{"duration":{},"fps":{}}}}})", model.time_axis.duration,
-                      fps > 0 ? fps : kFramesPerSecond);
+                      fps > 0 ? fps : kUnstatedRate);
   write_text_file(path, sog_archive(std::move(meta), images));
   return all.count() - lines.count();
 }

@@ -21,7 +21,6 @@
 namespace tessera {
 namespace {
 
-constexpr double kFramesPerSecond = 30;      // of a capture that states none
 constexpr double kLeastOpacity = 1.0 / 255;  // which no renderer shows
 constexpr int64_t kMostFrames = 100'000;
 
@@ -131,7 +130,7 @@ std::string moving_prim(const GaussianSpans<const float>& set, int64_t frames) {
 }  // namespace
 
 int64_t save_usda(const std::filesystem::path& path, const GaussianModel& model, double fps) {
-  const double rate = fps > 0 ? fps : kFramesPerSecond;
+  const double rate = fps > 0 ? fps : kUnstatedRate;
   const bool moves = model.dynamic_set.count() > 0;
   const double frames = moves ? 1 + std::round(model.time_axis.duration * rate) : 1;
   if (frames > double(kMostFrames))

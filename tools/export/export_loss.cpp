@@ -28,12 +28,12 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kMostWidth = 640;
-constexpr size_t kMostViews = 20;
+constexpr int kLossWidth = 640;
+constexpr size_t kLossViews = 20;
 
 Camera smaller(Camera camera) {
-  if (camera.width <= kMostWidth) return camera;
-  return camera.resized(kMostWidth, std::max(1, kMostWidth * camera.height / camera.width));
+  if (camera.width <= kLossWidth) return camera;
+  return camera.resized(kLossWidth, std::max(1, kLossWidth * camera.height / camera.width));
 }
 
 /// Of `places` views the i-th of `count`, evenly.
@@ -71,7 +71,7 @@ std::vector<View> loss_views(const ExportRequest& request, const GaussianModel& 
     for (const NamedView& view : path_views(orbit, {model, request.model, true}, warnings))
       cameras.push_back(smaller(view.view.camera));
   }
-  const size_t count = times.empty() ? kMostViews : std::min(kMostViews, times.size());
+  const size_t count = times.empty() ? kLossViews : std::min(kLossViews, times.size());
   std::vector<View> views;
   for (size_t i = 0; i < count; ++i) {
     const double time =
