@@ -79,7 +79,8 @@ struct PointCloud {
 /// time = (source_time − origin) / duration; source_time in the capture's own unit.
 struct TimeAxis {
   double origin = 0;
-  double duration = 1;  // 0 never: a single-timestep scene keeps 1
+  double duration = 1;    // 0 never: a single-timestep scene keeps 1
+  bool is_stated = true;  // false: a file has normalised times alone, and these are a guess
 };
 
 struct Scene {

@@ -70,7 +70,8 @@ LineFile load_ftgs_ply(const std::filesystem::path& path, const PlyFile& file) {
   }
   const std::vector<double> stated = comment_numbers(path, file.comments, "n_frames", 1);
   const double frames = stated.empty() ? kUnstatedFrames : stated[0];
-  GaussianModel model = model_of_lines(lines, {0, std::max(frames - 1, 1.0) / kUnstatedRate});
+  GaussianModel model =
+      model_of_lines(lines, {0, std::max(frames - 1, 1.0) / kUnstatedRate, false});
   take_notes(notes_in(file.comments), path.string(), model);
   return {std::move(model), {}};
 }

@@ -21,7 +21,9 @@ struct PlyReader {
   const char* property;
   LineFile (*load)(const std::filesystem::path&, const PlyFile&);
 };
-constexpr PlyReader kPlyReaders[] = {{"log_duration", load_ftgs_ply}, {"t_sigma", load_sogst_ply}};
+constexpr PlyReader kPlyReaders[] = {{"log_duration", load_ftgs_ply},
+                                     {"t_sigma", load_sogst_ply},
+                                     {"trbf_center", load_spacetime_ply}};
 
 /// A kind of archive, known by members of its meta.json.
 struct ArchiveReader {

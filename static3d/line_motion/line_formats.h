@@ -54,6 +54,9 @@ LineFile load_sogst(const std::filesystem::path& path, const SogArchive& archive
 int64_t save_tsog(const std::filesystem::path& path, const GaussianModel& model, double fps);
 LineFile load_tsog(const std::filesystem::path& path, const SogArchive& archive);
 
+/// SpacetimeGaussians, whose Gaussians move along curves.
+LineFile load_spacetime_ply(const std::filesystem::path& path, const PlyFile& file);
+
 int64_t save_usda(const std::filesystem::path& path, const GaussianModel& model, double fps);
 
 }  // namespace tessera

@@ -47,19 +47,7 @@ GaussianModel line_model(const WindowModels& windows, const GaussianModel& still
   for (size_t i = 0; i < windows.windows.size(); ++i)
     cores.push_back(
         core_of(windows.load(int(i)), windows.windows[i], i == 0, i + 1 == windows.windows.size()));
-  int64_t count = 0;
-  int coefficients = 1;
-  for (const GaussianSet& core : cores) {
-    count += core.count();
-    coefficients = std::max(coefficients, core.coefficients());
-  }
-  joined.dynamic_set = GaussianSet(SetForm::kVelocity, coefficients);
-  joined.dynamic_set.resize(count);
-  int64_t first = 0;
-  for (const GaussianSet& core : cores) {
-    copy_rows(core, first, joined.dynamic_set);
-    first += core.count();
-  }
+  joined.dynamic_set = joined_lines(cores);
   joined.drawing.time_filter = 0;
   joined.drawing.sh_time_degree = 0;
   return joined;

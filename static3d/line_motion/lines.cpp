@@ -25,15 +25,42 @@ bool stands_still(const GaussianSpans<const float>& lines, int64_t n) {
 
 }  // namespace
 
-void copy_rows(const GaussianSet& from, int64_t first, GaussianSet& to) {
-  const GaussianSpans<const float> source = from.values();
-  const GaussianSpans<float> target = to.values();
-  const int groups = std::min(from.groups(), to.groups());
-  for (int g = 0; g < groups; ++g) {
-    const int width = std::min(from.width(Group(g)), to.width(Group(g)));
-    for (int64_t n = 0; n < from.count(); ++n)
-      std::copy_n(source.at(Group(g), n), width, target.at(Group(g), first + n));
+GaussianSet joined_sets(const std::vector<const GaussianSet*>& sets, SetForm form,
+                        int coefficients) {
+  int64_t count = 0;
+  for (const GaussianSet* set : sets) count += set->count();
+  GaussianSet all(form, coefficients);
+  all.resize(count);
+  const GaussianSpans<float> target = all.values();
+  for (int g = 0; g < all.groups(); ++g)
+    std::fill_n(target.group[g].data, target.group[g].size, 0.0f);
+  int64_t first = 0;
+  for (const GaussianSet* set : sets) {
+    const GaussianSpans<const float> source = set->values();
+    for (int g = 0; g < std::min(set->groups(), all.groups()); ++g) {
+      const int width = std::min(set->width(Group(g)), all.width(Group(g)));
+      for (int64_t n = 0; n < set->count(); ++n)
+        std::copy_n(source.at(Group(g), n), width, target.at(Group(g), first + n));
+    }
+    first += set->count();
   }
+  return all;
+}
+
+GaussianSet joined_lines(const std::vector<GaussianSet>& sets) {
+  std::vector<const GaussianSet*> all;
+  int coefficients = 1;
+  for (const GaussianSet& set : sets) {
+    all.push_back(&set);
+    coefficients = std::max(coefficients, set.coefficients());
+  }
+  return joined_sets(all, SetForm::kVelocity, coefficients);
+}
+
+GaussianSet sound_set(const GaussianSet& set) {
+  GaussianSet sound = select_elements(set, valid_elements(set));
+  normalise_rotations(sound);
+  return sound;
 }
 
 int drawn_degree(const GaussianModel& model) {
@@ -44,21 +71,14 @@ int drawn_degree(const GaussianModel& model) {
 }
 
 GaussianSet lines_of(const GaussianModel& model, int degree, double still_extent) {
-  const int64_t still = model.static_set.count();
-  GaussianSet lines(SetForm::kVelocity, sh_coefficients(degree));
-  lines.resize(model.count());
-  for (int g = 0; g < lines.groups(); ++g)
-    std::fill_n(lines.values().group[g].data, lines.values().group[g].size, 0.0f);
-  copy_rows(model.static_set, 0, lines);
-  copy_rows(model.dynamic_set, still, lines);
+  GaussianSet lines = joined_sets({&model.static_set, &model.dynamic_set}, SetForm::kVelocity,
+                                  sh_coefficients(degree));
   const GaussianSpans<float> values = lines.values();
-  for (int64_t n = 0; n < still; ++n) {
+  for (int64_t n = 0; n < model.static_set.count(); ++n) {
     *values.at(kMeanTime, n) = 0.5f;
     *values.at(kLogScaleTime, n) = float(std::log(still_extent));
   }
-  lines = select_elements(lines, valid_elements(lines));
-  normalise_rotations(lines);
-  return lines;
+  return sound_set(lines);
 }
 
 GaussianModel model_of_lines(const GaussianSet& lines, const TimeAxis& axis) {
@@ -69,9 +89,8 @@ GaussianModel model_of_lines(const GaussianSet& lines, const TimeAxis& axis) {
   GaussianModel model;
   model.time_axis = axis;
   model.drawing.sh_degree = sh_degree_of(lines.coefficients());
-  model.static_set = GaussianSet(SetForm::kStatic, lines.coefficients());
-  model.static_set.resize(int64_t(still.size()));
-  copy_rows(select_elements(lines, still), 0, model.static_set);
+  const GaussianSet at_rest = select_elements(lines, still);
+  model.static_set = joined_sets({&at_rest}, SetForm::kStatic, lines.coefficients());
   model.dynamic_set = select_elements(lines, moving);
   return model;
 }

@@ -3,6 +3,8 @@
 // GaussianModel without nodes whose dynamic set is of the form kVelocity, on the time axis of the
 // clip.
 #pragma once
+#include <vector>
+
 #include "recon4d/model/gaussian_set.h"
 
 namespace tessera {
@@ -17,8 +19,15 @@ int drawn_degree(const GaussianModel& model);
 /// `still_extent` for σ_t, normalised time.
 GaussianSet lines_of(const GaussianModel& model, int degree, double still_extent);
 
-/// The rows of a set, from row `first` of another on; groups and SH that only one has are left.
-void copy_rows(const GaussianSet& from, int64_t first, GaussianSet& to);
+/// All zeros but for the rows of these sets, one set after the other; groups and SH that only one
+/// of both has are left.
+GaussianSet joined_sets(const std::vector<const GaussianSet*>& sets, SetForm form,
+                        int coefficients);
+/// Lines alone, with the SH of the highest degree.
+GaussianSet joined_lines(const std::vector<GaussianSet>& sets);
+
+/// The sound Gaussians, with unit quaternions.
+GaussianSet sound_set(const GaussianSet& set);
 
 /// The way back: lines that do not move by a thousandth of their smallest scale in the clip, and
 /// keep 99.5 % of their opacity through it, become static Gaussians.

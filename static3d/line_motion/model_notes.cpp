@@ -35,6 +35,7 @@ void for_each_note(GaussianModel& model, Visit&& visit) {
   });
   as_double("time_origin", model.time_axis.origin);
   as_double("time_duration", model.time_axis.duration);
+  as_double("time_is_stated", model.time_axis.is_stated);
   as_double("train_scale", model.train_scale);
   for (size_t k = 0; k < 3; ++k) as_double(fmt::format("background_{}", k), model.background[k]);
   for (int k = 0; k < 3; ++k)

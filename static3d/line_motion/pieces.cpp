@@ -6,13 +6,15 @@
 #include <limits>
 #include <utility>
 
-#include "static3d/line_motion/lines.h"
-
 namespace tessera {
 namespace {
 
 constexpr int kCounts[] = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, kMaxPieces};
 constexpr double kFade = 0.65;  // σ_t by the distance of pieces: their sum is even to 1 in 1,000
+constexpr double kSide = 0.6065306597126334;  // of a splat's middle, at one standard deviation
+constexpr int kOpacities = 1024;              // of a table
+constexpr double kLeastOpacity = 1e-6;
+constexpr double kMostOfLife = 0.5;  // of the Gaussian's σ_t, that of its pieces
 
 using Points = std::vector<CarriedPoint>;
 
@@ -58,7 +60,7 @@ LinePiece fitted(const Points& points, double time, double extent, double reach)
 }
 
 /// The larger of how far the line strays and how far the end of the longest axis turns.
-double strays(const Points& points, const LinePiece& piece, double reach, double longest) {
+double strays_by(const Points& points, const LinePiece& piece, double reach, double longest) {
   const auto [begin, end] = points_near(points.size(), piece.time, reach);
   const double step = 1 / double(points.size() - 1);
   double most = 0;
@@ -71,57 +73,90 @@ double strays(const Points& points, const LinePiece& piece, double reach, double
   return most;
 }
 
-/// `count` pieces in the clip and one before and behind it; none where one strays by more than
-/// `tolerance`.
+/// `count` pieces in the time of the curve and one before and behind it; none where one strays by
+/// more than `tolerance`.
 std::vector<LinePiece> even_pieces(const Points& points, int count, double longest,
                                    double tolerance) {
   const double distance = 1 / double(count);
   std::vector<LinePiece> pieces;
   for (int i = -1; i <= count; ++i) {
-    pieces.push_back(fitted(points, (i + 0.5) * distance, kFade * distance, 1.5 * distance));
-    if (strays(points, pieces.back(), distance, longest) > tolerance) return {};
+    LinePiece piece = fitted(points, (i + 0.5) * distance, kFade * distance, 1.5 * distance);
+    piece.strays = strays_by(points, piece, distance, longest);
+    if (piece.strays > tolerance) return {};
+    pieces.push_back(piece);
+  }
+  return pieces;
+}
+
+/// What many pieces of that opacity cover at one standard deviation, the mean over a distance of
+/// pieces. There and not at their middle: opaque there, they would be too wide.
+double covered_together(double each) {
+  constexpr int kTimes = 8, kReach = 3;
+  double sum = 0;
+  for (int k = 0; k < kTimes; ++k) {
+    double seen_through = 1;
+    for (int i = -kReach; i <= kReach; ++i) {
+      const double deviations = (i + (k + 0.5) / kTimes) / kFade;
+      seen_through *= 1 - kSide * each * std::exp(-0.5 * deviations * deviations);
+    }
+    sum += 1 - seen_through;
+  }
+  return sum / kTimes;
+}
+
+/// From times of [0, 1] to those of the curve; what the life leaves of each of several.
+std::vector<LinePiece> placed(const Curve& curve, std::vector<LinePiece> pieces) {
+  const double length = curve.time.high - curve.time.low;
+  for (LinePiece& piece : pieces) {
+    piece.time = curve.time.low + length * piece.time;
+    piece.extent *= length;
+    piece.velocity /= length;
+    if (pieces.size() == 1) continue;
+    // Pieces of σ under a life of σ' make one of √(σ² + σ'²), which is 1 at its centre.
+    const double life = std::sqrt(curve.extent * curve.extent - piece.extent * piece.extent);
+    const double deviations = (piece.time - curve.centre) / life;
+    piece.share = std::exp(-0.5 * deviations * deviations) * curve.extent / life;
   }
   return pieces;
 }
 
 }  // namespace
 
-std::vector<LinePiece> line_pieces(const Points& points, const Vec3<double>& scale) {
+double middle(const Vec3<double>& values) {
+  return std::max(std::min(values.x, values.y), std::min(std::max(values.x, values.y), values.z));
+}
+
+std::vector<LinePiece> line_pieces(const Curve& curve, const Vec3<double>& scale) {
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  const Points& points = curve.points;
   const double longest = std::max({scale.x, scale.y, scale.z});
-  const double shortest = std::min({scale.x, scale.y, scale.z});
-  const double tolerance = scale.x + scale.y + scale.z - longest - shortest;  // the middle one
-  const LinePiece one = fitted(points, 0.5, kLongLife, 1);
-  if (strays(points, one, 1, longest) <= tolerance) return {one};
+  const double tolerance = middle(scale);
+  const double length = curve.time.high - curve.time.low;
+  LinePiece one =
+      fitted(points, (curve.centre - curve.time.low) / length, curve.extent / length, kAll);
+  one.strays = strays_by(points, one, kAll, longest);
+  const bool has_place = std::isfinite(glm::dot(one.mean, one.mean));
+  if (!has_place || one.strays <= tolerance) return placed(curve, {one});
   for (const int count : kCounts)
-    if (std::vector<LinePiece> pieces = even_pieces(points, count, longest, tolerance);
-        !pieces.empty())
-      return pieces;
-  return even_pieces(points, kMaxPieces, longest, std::numeric_limits<double>::infinity());
+    if (kFade * length <= kMostOfLife * curve.extent * count)
+      if (std::vector<LinePiece> pieces = even_pieces(points, count, longest, tolerance);
+          !pieces.empty())
+        return placed(curve, std::move(pieces));
+  return placed(curve, even_pieces(points, kMaxPieces, longest, kAll));
 }
 
 double piece_opacity(double opacity) {
-  // At one standard deviation: opaque at their middle, pieces would be too wide. Over a distance of
-  // pieces, the mean of what they cover together.
-  const double falloff = std::exp(-0.5);
-  const auto together = [&](double each) {
-    constexpr int kTimes = 8, kReach = 3;
-    double sum = 0;
-    for (int k = 0; k < kTimes; ++k) {
-      double seen_through = 1;
-      for (int i = -kReach; i <= kReach; ++i) {
-        const double deviations = (i + (k + 0.5) / kTimes) / kFade;
-        seen_through *= 1 - falloff * each * std::exp(-0.5 * deviations * deviations);
-      }
-      sum += 1 - seen_through;
-    }
-    return sum / kTimes;
-  };
-  double low = 0, high = 1;
-  for (int i = 0; i < 40; ++i) {
-    const double middle = 0.5 * (low + high);
-    (together(middle) < falloff * opacity ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  // Of pieces that are as opaque as the index says, by how opaque they are together.
+  static const std::vector<double> table = [] {
+    std::vector<double> covered;
+    for (int i = 0; i <= kOpacities; ++i)
+      covered.push_back(covered_together(double(i) / kOpacities) / kSide);
+    return covered;
+  }();
+  const auto above = std::upper_bound(table.begin() + 1, table.end() - 1, opacity);
+  const double low = *(above - 1), high = *above;
+  const double place = double(above - table.begin() - 1) + (opacity - low) / (high - low);
+  return std::clamp(place / kOpacities, kLeastOpacity, 1 - kLeastOpacity);
 }
 
 }  // namespace tessera

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "kernels/math/symmetric.h"
+#include "static3d/line_motion/lines.h"
+#include "static3d/tessera4d/windows.h"
 
 namespace tessera {
 
@@ -13,18 +15,29 @@ struct CarriedPoint {
   Vec4<double> rotation;  // unit quaternion w,x,y,z
 };
 
+/// The way of a Gaussian that fades about `centre` by exp(−½ ((t − centre) / extent)²).
+struct Curve {
+  std::vector<CarriedPoint> points;         // at even times of `time`, at least two
+  Interval time{0, 1};                      // normalised
+  double centre = 0.5, extent = kLongLife;  // μ_t and σ_t, normalised
+};
+
 /// A part of a curve as a line (lines.h).
 struct LinePiece {
   double time, extent;          // μ_t and σ_t, normalised
   Vec3<double> mean, velocity;  // world units, and these per clip
   Vec4<double> rotation;        // unit quaternion w,x,y,z, through the piece
+  double strays = 0;            // world units: how far from the curve, as far as the next piece
+  double share = 1;             // of the Gaussian's opacity, there is at `time`
 };
 
-/// `points`: at even times from 0 to 1, at least two; `scale`: standard deviations along the axes,
-/// world units. The fewest lines, up to kMaxPieces in the clip, of which none strays from the curve
-/// by more than the middle scale, as far as the next piece, nor turns the longest axis by more.
-std::vector<LinePiece> line_pieces(const std::vector<CarriedPoint>& points,
-                                   const Vec3<double>& scale);
+/// The second of three numbers by size.
+double middle(const Vec3<double>& values);
+
+/// `scale`: standard deviations along the axes, world units. The fewest lines, up to kMaxPieces in
+/// the time of the curve, of which none strays from it by more than the middle scale, nor turns the
+/// longest axis by more.
+std::vector<LinePiece> line_pieces(const Curve& curve, const Vec3<double>& scale);
 inline constexpr int kMaxPieces = 128;
 
 /// The opacity of each piece of several that together cover, at one standard deviation, what a

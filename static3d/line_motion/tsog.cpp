@@ -37,15 +37,15 @@ void check_kind(const SogArchive& archive) {
     archive.fail("its profile is not version 1 of org.opsiclear.tsog-playback");
 }
 
-/// Seconds of the clip by the rules of the profile, section 8.
-double duration_of(const SogArchive& archive) {
+/// From 0 to the end of the clip by the rules of the profile, section 8.
+TimeAxis axis_of(const SogArchive& archive) {
   const json none = json::object();
   const json& playback = archive.has("playback") ? archive.object("playback") : none;
-  if (playback.contains("duration")) return archive.number(playback, "duration");
+  if (playback.contains("duration")) return {0, archive.number(playback, "duration")};
   double fps = kUnstatedRate;
   if (archive.has("fps")) fps = archive.number(archive.meta(), "fps");
   if (playback.contains("fps")) fps = archive.number(playback, "fps");
-  return (kUnstatedFrames - 1) / fps;
+  return {0, (kUnstatedFrames - 1) / fps, false};
 }
 
 /// A list of three numbers in a list of one.
@@ -136,7 +136,7 @@ LineFile load_tsog(const std::filesystem::path& path, const SogArchive& archive)
   read_splats_of(archive, degree, lines.values());
   read_timeline(archive, lines.values());
   read_motion(archive, lines.values());
-  LineFile file{model_of_lines(lines, {0, duration_of(archive)}), {}};
+  LineFile file{model_of_lines(lines, axis_of(archive)), {}};
   take_notes(notes_in(archive.meta().value("asset", json())), path.string(), file.model);
   if (archive.has("audio"))
     file.warnings.push_back(fmt::format("{}: its sound is not read", path.string()));

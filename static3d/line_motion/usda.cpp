@@ -23,6 +23,7 @@ namespace {
 
 constexpr double kLeastOpacity = 1.0 / 255;  // which no renderer shows
 constexpr int64_t kMostFrames = 100'000;
+constexpr double kMostText = 4e9;  // bytes, which is held in memory
 
 /// [(1, 2, 3), (4, 5, 6)] of `width` numbers a row; plain numbers of one.
 template <class Value>
@@ -86,13 +87,7 @@ class Prim {
 
 /// Sound, with unit quaternions and SH of `degree`, in USD's world.
 GaussianSet in_usd_world(const GaussianSet& from, SetForm form, int degree) {
-  GaussianSet set(form, sh_coefficients(degree));
-  set.resize(from.count());
-  for (int g = 0; g < set.groups(); ++g)
-    std::fill_n(set.values().group[g].data, set.values().group[g].size, 0.0f);
-  copy_rows(from, 0, set);
-  set = select_elements(set, valid_elements(set));
-  normalise_rotations(set);
+  GaussianSet set = sound_set(joined_sets({&from}, form, sh_coefficients(degree)));
   flip_axes(set, kRightUpBack);
   return set;
 }
@@ -137,6 +132,14 @@ int64_t save_usda(const std::filesystem::path& path, const GaussianModel& model,
     throw InputError(fmt::format("{}: {} frames are more than one .usda holds; pass a lower --fps",
                                  path.string(), frames));
   const int degree = drawn_degree(model);
+  constexpr double kNumber = 10, kZero = 3;  // characters
+  const double text = kNumber * double(model.count()) * (3 * sh_coefficients(degree) + 14) +
+                      kZero * frames * double(model.dynamic_set.count());
+  if (text > kMostText)
+    throw InputError(
+        fmt::format("{}: {} Gaussians that move, over {} frames, would be {:.0f} GB of text or "
+                    "more; take --format glb or ply, a file a frame",
+                    path.string(), model.dynamic_set.count(), frames, text / 1e9));
   const GaussianSet still = in_usd_world(model.static_set, SetForm::kStatic, degree);
   const GaussianSet moving = in_usd_world(model.dynamic_set, SetForm::kVelocity, degree);
   AtomicFile output(path);

@@ -116,6 +116,7 @@ json to_json(const Tessera4dManifest& manifest, const GaussianModel& rules) {
     const auto& [low, high] = *manifest.bounds;
     out["bounds"] = {{"min", {low[0], low[1], low[2]}}, {"max", {high[0], high[1], high[2]}}};
   }
+  if (!rules.time_axis.is_stated) out["time"]["stated"] = false;
   if (!rules.prepared_from_source.is_identity())
     out["prepared_from_source"] = similarity_numbers(rules.prepared_from_source);
   if (!manifest.audio.empty()) out["audio"] = manifest.audio;
@@ -138,6 +139,7 @@ Tessera4dManifest manifest_from(const json& object, const fs::path& path, Gaussi
   manifest.generator = file.has("generator") ? file.text("generator") : "";
   const CheckedObject time(file.at("time"), path, "its time");
   rules.time_axis = {time.number("origin"), time.number("duration")};
+  rules.time_axis.is_stated = time.flag_or("stated", true);
   if (!(rules.time_axis.duration > 0)) time.fail("has no duration");
   manifest.fps = time.number_or("fps", 0);
   rules.drawing.sh_degree = int(file.whole("sh_degree", kMaxShDegree));

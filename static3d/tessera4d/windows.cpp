@@ -28,7 +28,7 @@ double clip_time(const FileWindow& window, double tau) {
 
 TimeAxis window_axis(const FileWindow& window, const TimeAxis& clip) {
   return {clip.origin + window.time.low * clip.duration,
-          (window.time.high - window.time.low) * clip.duration};
+          (window.time.high - window.time.low) * clip.duration, clip.is_stated};
 }
 
 int window_at(const std::vector<FileWindow>& windows, double t) {

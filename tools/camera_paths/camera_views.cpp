@@ -19,16 +19,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Normalised time of `axis` → normalised time of the model, through the capture's own clock.
+/// Normalised time of `axis` → normalised time of the model, through the capture's own clock; where
+/// the model's file has no clock, both are of the whole clip.
 double model_time(const GaussianModel& model, const TimeAxis& axis, double time) {
   const TimeAxis& model_axis = model.time_axis;
+  if (!model_axis.is_stated) return time;
   if (axis.origin == model_axis.origin && axis.duration == model_axis.duration) return time;
   return (axis.origin + time * axis.duration - model_axis.origin) / model_axis.duration;
 }
 
 /// A duration of `axis` in the model's time.
 double model_duration(const GaussianModel& model, const TimeAxis& axis, double duration) {
-  const double length = model.time_axis.duration;
+  const double length = model.time_axis.is_stated ? model.time_axis.duration : axis.duration;
   return axis.duration == length ? duration : duration * axis.duration / length;
 }
 

@@ -1,4 +1,4 @@
-// Renders on the CPU, view by view: what is exported may have been trained elsewhere.
+// Renders view by view: the written file may be as large as memory allows.
 #include "tools/export/export_loss.h"
 
 #include <fmt/format.h>
@@ -19,6 +19,7 @@
 #include "static3d/line_motion/line_formats.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/camera_paths/path_views.h"
+#include "tools/cli/backend_options.h"
 #include "tools/cli/interrupt.h"
 #include "tools/export/line_export.h"
 
@@ -88,13 +89,13 @@ class WrittenFiles {
   /// Normalised timesteps that it has, ascending; empty: all.
   virtual std::vector<double> times() const { return {}; }
   /// What is drawn at one of these.
-  virtual GaussianModel at(double time) const = 0;
+  virtual GaussianModel& at(double time) = 0;
 };
 
 class WrittenLines : public WrittenFiles {
  public:
   explicit WrittenLines(const fs::path& file) : model_(load_line_file(file).model) {}
-  GaussianModel at(double) const override { return model_.clone_values(); }
+  GaussianModel& at(double) override { return model_; }
 
  private:
   GaussianModel model_;
@@ -112,13 +113,15 @@ class WrittenFrames : public WrittenFiles {
     for (const auto& [time, file] : files_) times.push_back(time);
     return times;
   }
-  GaussianModel at(double time) const override {
-    return model_of(load_splat_file(folder_ / files_.at(time)));
+  GaussianModel& at(double time) override {
+    frame_ = model_of(load_splat_file(folder_ / files_.at(time)));
+    return frame_;
   }
 
  private:
   fs::path folder_;
   std::map<double, std::string> files_;
+  GaussianModel frame_;
 };
 
 /// Nothing of the Tessera 4D file, whose bounds of errors are stated, and of what is not read.
@@ -154,13 +157,13 @@ json export_loss(const ExportRequest& request, const Clip& clip) {
   const std::unique_ptr<WrittenFiles> files = written_files(request);
   if (!files) return json::object();
   const std::vector<View> views = loss_views(request, *clip.head, files->times());
-  const std::unique_ptr<Backend> backend = make_cpu_backend();
+  const std::unique_ptr<Backend> backend = make_backend("auto");
   DrawnClip truth(*backend, clip);
   double by_rules = 0, by_players = 0;
   for (const View& view : views) {
     stop_if_interrupted();
     const Image8 image = truth.at(view);
-    GaussianModel model = files->at(view.time);
+    GaussianModel& model = files->at(view.time);
     model.background = clip.head->background;
     const int degree = model.drawing.sh_degree;
     model.drawing = clip.head->drawing;

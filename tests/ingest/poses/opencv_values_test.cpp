@@ -18,11 +18,11 @@ const json kRotation = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}};
 const json kVector = {0, 0, -1.5707963267948966};
 const json kMatrix = {{100, 0, 60}, {0, 110, 40}, {0, 0, 1}};
 
-json entry() {
+json rig_entry() {
   return {{"K", kMatrix}, {"R", kRotation}, {"T", {1, 2, 3}}, {"w", 120}, {"h", 80}};
 }
 
-std::vector<RigCamera> read(const json& file) {
+std::vector<RigCamera> values_of(const json& file) {
   std::vector<std::string> notes;
   return rig_cameras_of(file, "rig.json", notes);
 }
@@ -46,30 +46,32 @@ TEST(OpenCvValues, KeysAsPeopleWriteThem) {
   const json flat = {100, 0, 60, 0, 110, 40, 0, 0, 1};
   const json stored = {{"type_id", "opencv-matrix"}, {"rows", 3}, {"cols", 3}, {"data", flat}};
   for (const json& each :
-       {entry(), without(entry(), {"K"}, {{"K", flat}}),
-        without(entry(), {"K"}, {{"camera_matrix", stored}}),
-        without(entry(), {"K"}, {{"cameraMatrix", kMatrix}}),
-        without(entry(), {"R"}, {{"rvec", kVector}}), without(entry(), {"R"}, {{"R", kVector}}),
-        without(entry(), {"T"}, {{"t", {{1}, {2}, {3}}}}),
-        without(entry(), {"T"}, {{"tvec", {1, 2, 3}}}),
-        without(entry(), {"w", "h"}, {{"imgsize", {120, 80}}}),
-        without(entry(), {"w", "h"}, {{"width", 120}, {"height", 80}}),
-        without(entry(), {"w", "h"}, {{"image_width", 120}, {"image_height", 80}}),
-        without(entry(), {"R", "T"}, {{"extrinsics", {{0, 1, 0, 1}, {-1, 0, 0, 2}, {0, 0, 1, 3}}}}),
-        without(entry(), {"R", "T"},
+       {rig_entry(), without(rig_entry(), {"K"}, {{"K", flat}}),
+        without(rig_entry(), {"K"}, {{"camera_matrix", stored}}),
+        without(rig_entry(), {"K"}, {{"cameraMatrix", kMatrix}}),
+        without(rig_entry(), {"R"}, {{"rvec", kVector}}),
+        without(rig_entry(), {"R"}, {{"R", kVector}}),
+        without(rig_entry(), {"T"}, {{"t", {{1}, {2}, {3}}}}),
+        without(rig_entry(), {"T"}, {{"tvec", {1, 2, 3}}}),
+        without(rig_entry(), {"w", "h"}, {{"imgsize", {120, 80}}}),
+        without(rig_entry(), {"w", "h"}, {{"width", 120}, {"height", 80}}),
+        without(rig_entry(), {"w", "h"}, {{"image_width", 120}, {"image_height", 80}}),
+        without(rig_entry(), {"R", "T"},
+                {{"extrinsics", {{0, 1, 0, 1}, {-1, 0, 0, 2}, {0, 0, 1, 3}}}}),
+        without(rig_entry(), {"R", "T"},
                 {{"R_c2w", {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}}, {"t_c2w", {2, -1, -3}}}),
-        without(entry(), {"R", "T"},
+        without(rig_entry(), {"R", "T"},
                 {{"c2w", {{0, -1, 0, 2}, {1, 0, 0, -1}, {0, 0, 1, -3}, {0, 0, 0, 1}}}})}) {
     SCOPED_TRACE(each.dump());
-    expect_stated(read({{"cameras", {each}}}).at(0));
+    expect_stated(values_of({{"cameras", {each}}}).at(0));
   }
 }
 
 // Bug put back: the third number taken for k3; seen to fail.
 TEST(OpenCvValues, Coefficients) {
-  json each = entry();
+  json each = rig_entry();
   each["dist"] = {0.1, 0.2, 0.03, 0.04, 0.5};
-  RigCamera camera = read(json::array({each}))[0];
+  RigCamera camera = values_of(json::array({each}))[0];
   EXPECT_EQ(camera.lens_model, "FULL_OPENCV");
   EXPECT_EQ(camera.lens.k2, 0.2);
   EXPECT_EQ(camera.lens.p1, 0.03);
@@ -77,22 +79,22 @@ TEST(OpenCvValues, Coefficients) {
   EXPECT_EQ(camera.lens.k3, 0.5);
   each["dist"] = {{0.1}, {0.2}, {0.3}, {0.4}};
   each["fisheye"] = true;
-  camera = read(json::array({each}))[0];
+  camera = values_of(json::array({each}))[0];
   EXPECT_EQ(camera.lens.projection, Lens::Projection::kFisheye);
   EXPECT_EQ(camera.lens.k4, 0.4);
   each["dist"] = {0, 0, 0, 0, 0};
   each.erase("fisheye");
-  EXPECT_EQ(read(json::array({each}))[0].lens_model, "PINHOLE");
+  EXPECT_EQ(values_of(json::array({each}))[0].lens_model, "PINHOLE");
 }
 
 // Bugs put back, each seen to fail: R_NAME, a vector, over Rot_NAME; a camera called as its file
 // with the extension.
 TEST(OpenCvValues, FormsOfFiles) {
-  json named = entry();
+  json named = rig_entry();
   named["name"] = "a";
   for (const json& file :
-       {json{{"cameras", {named}}}, json::array({named}), json{{"cameras", {{"a", entry()}}}},
-        json{{"a", entry()}},
+       {json{{"cameras", {named}}}, json::array({named}), json{{"cameras", {{"a", rig_entry()}}}},
+        json{{"a", rig_entry()}},
         json{{"names", {"a"}},
              {"K_a", kMatrix},
              {"R_a", {9, 9, 9}},
@@ -100,15 +102,15 @@ TEST(OpenCvValues, FormsOfFiles) {
              {"T_a", {1, 2, 3}},
              {"W_a", 120},
              {"H_a", 80}},
-        json{{"intrinsics", without(entry(), {"R", "T"}, json::object())},
+        json{{"intrinsics", without(rig_entry(), {"R", "T"}, json::object())},
              {"cameras", {{{"name", "a"}, {"R", kRotation}, {"T", {1, 2, 3}}}}}}}) {
     SCOPED_TRACE(file.dump());
-    const auto cameras = read(file);
+    const auto cameras = values_of(file);
     ASSERT_EQ(cameras.size(), 1u);
     EXPECT_EQ(cameras[0].name, "a");
     expect_stated(cameras[0]);
   }
-  EXPECT_EQ(read(entry()).at(0).name, "rig");
+  EXPECT_EQ(values_of(rig_entry()).at(0).name, "rig");
 }
 
 // Bug put back: a transposed K taken; seen to fail.
@@ -116,7 +118,7 @@ TEST(OpenCvValues, WhatIsRefusedNamesCameraAndKey) {
   const auto refused = [&](const std::vector<std::string>& erased, const json& more,
                            std::vector<std::string> parts) {
     parts.insert(parts.end(), {"rig.json", "cam07"});
-    expect_input_error([&] { read({{"cam07", without(entry(), erased, more)}}); }, parts);
+    expect_input_error([&] { values_of({{"cam07", without(rig_entry(), erased, more)}}); }, parts);
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   refused({"K"}, {{"K", {{100, 0, 0}, {0, 110, 0}, {60, 40, 1}}}}, {"K is no camera matrix"});
@@ -140,7 +142,8 @@ TEST(OpenCvValues, WhatIsRefusedNamesCameraAndKey) {
 
 // Bug put back: the place of the principal point not looked at; seen to fail.
 TEST(OpenCvValues, WithoutASizeItIsThatOfTheImage) {
-  const Camera stated = read({{"a", without(entry(), {"w", "h"}, json::object())}}).at(0).camera;
+  const Camera stated =
+      values_of({{"a", without(rig_entry(), {"w", "h"}, json::object())}}).at(0).camera;
   EXPECT_EQ(stated.width, 0);
   const Camera camera = camera_of_image(stated, 124, 90, 124, "a.mp4");
   EXPECT_EQ(camera.width, 124);

@@ -194,6 +194,7 @@ TEST_F(LinePly, OfOthersIsReadAsTheyMeanIt) {
   read = load_line_file(at(".ply")).model;
   EXPECT_EQ(read.static_set.count(), 1) << "neither moves nor fades";
   EXPECT_NEAR(read.time_axis.duration, 1, 1e-9);
+  EXPECT_FALSE(read.time_axis.is_stated) << "of 30 frames a second, which no file states";
   const auto expect_refused = [&](const std::string& from, const std::string& to,
                                   const char* part) {
     std::string text = ftgs_by_hand(comments, 0);
