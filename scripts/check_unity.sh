@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
-# Parses all sources in the unity files of the preset release, as the commands of README.md compile
-# them and the build of .ci/run does not: a name that two unnamed namespaces of one unity file share
-# fails here.
+# Parses all sources in the unity files of the preset release. The commands of README.md compile
+# these, and the build of .ci/run does not. A name of two unnamed namespaces in one unity file fails.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -6,8 +6,8 @@
 
 #include "kernels/math/node_pose.h"
 #include "recon4d/model/element_edits.h"
-#include "static3d/line_motion/curve_lines.h"
 #include "static3d/line_motion/lines.h"
+#include "static3d/line_motion/piece_lines.h"
 
 namespace tessera {
 namespace {
@@ -35,15 +35,15 @@ GaussianSet lines_of_carried(const GaussianSet& canonical, const MotionNodes& no
     const GaussianSet part = select_elements(sound, rows);
     Carried<float> carried;
     host->carry({&batch, part.values(), nodes.spans()}, carried);
-    const auto curve_of = [&](int64_t n) {
+    const auto pieces_of = [&](int64_t n) {
       Curve curve;
       for (int64_t i = n; i < int64_t(carried.gaussians.size()); i += part.count()) {
         const CarriedGaussian<float>& g = carried.gaussians[i];
         curve.points.push_back({Vec3<double>(g.mean), glm::normalize(Vec4<double>(g.rotation))});
       }
-      return curve;
+      return line_pieces(curve, scale_of(part.values(), n));
     };
-    parts.push_back(lines_on_curves(part, curve_of).lines);
+    parts.push_back(lines_of_pieces(part, pieces_of).lines);
   }
   return joined_lines(parts);
 }

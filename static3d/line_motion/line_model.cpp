@@ -4,34 +4,56 @@
 #include <algorithm>
 #include <cmath>
 
-#include "recon4d/model/element_edits.h"
 #include "static3d/line_motion/carried_lines.h"
 #include "static3d/line_motion/lines.h"
+#include "static3d/line_motion/piece_lines.h"
 #include "static3d/transform/motion_form.h"
 
 namespace tessera {
 namespace {
 
-/// The Gaussians of a window that its core has, in the time of the clip.
-GaussianSet core_of(const GaussianModel& model, const FileWindow& window, bool is_first,
-                    bool is_last) {
-  const GaussianSet plain = plain_velocity_form(model);
-  const auto times = plain.values();
-  std::vector<int64_t> inside;
-  for (int64_t n = 0; n < plain.count(); ++n) {
-    const double t = clip_time(window, double(*times.at(kMeanTime, n)));
-    if ((is_first || t >= window.drawn.low) && (is_last || t < window.drawn.high))
-      inside.push_back(n);
-  }
-  GaussianSet core = select_elements(plain, inside);
+/// What a part of the clip has of lines in the time of a window.
+GaussianSet lines_within(const GaussianSet& lines, const FileWindow& window, const Interval& part) {
+  const GaussianSpans<const float> from = lines.values();
   const double length = window.time.high - window.time.low;
-  const GaussianSpans<float> values = core.values();
-  for (int64_t n = 0; n < core.count(); ++n) {
-    *values.at(kMeanTime, n) = float(clip_time(window, double(*values.at(kMeanTime, n))));
-    *values.at(kLogScaleTime, n) += float(std::log(length));
-    for (int k = 0; k < 3; ++k) values.at(kVelocity, n)[k] /= float(length);
+  return lines_of_pieces(lines,
+                         [&](int64_t n) {
+                           const float* const mean = from.at(kMean, n);
+                           const float* const v = from.at(kVelocity, n);
+                           const float* const turn = from.at(kRotation, n);
+                           const LinePiece line{
+                               clip_time(window, double(*from.at(kMeanTime, n))),
+                               length * std::exp(double(*from.at(kLogScaleTime, n))),
+                               {mean[0], mean[1], mean[2]},
+                               Vec3<double>(v[0], v[1], v[2]) / length,
+                               {turn[0], turn[1], turn[2], turn[3]}};
+                           return pieces_within(line, part);
+                         })
+      .lines;
+}
+
+/// Windows from `first` on to the one before `end`.
+struct LightPart {
+  size_t first, end;
+};
+
+/// Parts of the clip in which what stands still is in one light.
+std::vector<LightPart> light_parts(const std::vector<FileWindow>& windows) {
+  std::vector<LightPart> parts;
+  for (size_t i = 0; i < windows.size(); ++i) {
+    LightGain change = windows[i].light;
+    for (size_t c = 0; c < change.size() && !parts.empty(); ++c)
+      change[c] /= windows[parts.back().first].light[c];
+    if (parts.empty() || !is_same(change)) parts.push_back({i, i + 1});
+    parts.back().end = i + 1;
   }
-  return core;
+  return parts;
+}
+
+GaussianSet only(const GaussianModel& model, bool moving) {
+  GaussianModel part = model.clone_values();
+  (moving ? part.static_set : part.dynamic_set).resize(0);
+  return lines_of(part, drawn_degree(part), kLongLife);
 }
 
 }  // namespace
@@ -44,9 +66,18 @@ GaussianModel line_model(const WindowModels& windows, const GaussianModel& still
     joined.static_set = GaussianSet(SetForm::kStatic, 1);
     joined.nodes = MotionNodes();
   }
-  for (size_t i = 0; i < windows.windows.size(); ++i)
-    cores.push_back(
-        core_of(windows.load(int(i)), windows.windows[i], i == 0, i + 1 == windows.windows.size()));
+  for (size_t i = 0; i < windows.windows.size(); ++i) {
+    GaussianModel model = windows.load(int(i));
+    model.dynamic_set = plain_velocity_form(model);
+    cores.push_back(lines_within(only(model, true), windows.windows[i], windows.windows[i].drawn));
+  }
+  if (const std::vector<LightPart> parts = light_parts(windows.windows); parts.size() > 1) {
+    joined.static_set = GaussianSet(SetForm::kStatic, 1);
+    for (const auto& [first, end] : parts)
+      cores.push_back(
+          lines_within(only(windows.load(int(first)), false), FileWindow{},
+                       {windows.windows[first].drawn.low, windows.windows[end - 1].drawn.high}));
+  }
   joined.dynamic_set = joined_lines(cores);
   joined.drawing.time_filter = 0;
   joined.drawing.sh_time_degree = 0;

@@ -11,6 +11,9 @@ namespace {
 
 constexpr int kCounts[] = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, kMaxPieces};
 constexpr double kFade = 0.65;  // σ_t by the distance of pieces: their sum is even to 1 in 1,000
+constexpr double kSeenOfLife = 2.5;  // deviations: 4 % of the opacity are left
+constexpr double kLeastShare = 0.01;
+constexpr int kTiles = 4;                     // pieces of a part of the clip
 constexpr double kSide = 0.6065306597126334;  // of a splat's middle, at one standard deviation
 constexpr int kOpacities = 1024;              // of a table
 constexpr double kLeastOpacity = 1e-6;
@@ -104,18 +107,23 @@ double covered_together(double each) {
   return sum / kTimes;
 }
 
-/// From times of [0, 1] to those of the curve; what the life leaves of each of several.
+/// What a life leaves of a piece of it: pieces of σ under a life of σ' make one of √(σ² + σ'²),
+/// which is 1 at its centre.
+void give_share(double centre, double extent, LinePiece& piece) {
+  const double life = std::sqrt(extent * extent - piece.extent * piece.extent);
+  const double deviations = (piece.time - centre) / life;
+  piece.share = std::exp(-0.5 * deviations * deviations) * extent / life;
+  piece.is_part = true;
+}
+
+/// From times of [0, 1] to those of the curve.
 std::vector<LinePiece> placed(const Curve& curve, std::vector<LinePiece> pieces) {
   const double length = curve.time.high - curve.time.low;
   for (LinePiece& piece : pieces) {
     piece.time = curve.time.low + length * piece.time;
     piece.extent *= length;
     piece.velocity /= length;
-    if (pieces.size() == 1) continue;
-    // Pieces of σ under a life of σ' make one of √(σ² + σ'²), which is 1 at its centre.
-    const double life = std::sqrt(curve.extent * curve.extent - piece.extent * piece.extent);
-    const double deviations = (piece.time - curve.centre) / life;
-    piece.share = std::exp(-0.5 * deviations * deviations) * curve.extent / life;
+    if (pieces.size() > 1) give_share(curve.centre, curve.extent, piece);
   }
   return pieces;
 }
@@ -143,6 +151,28 @@ std::vector<LinePiece> line_pieces(const Curve& curve, const Vec3<double>& scale
           !pieces.empty())
         return placed(curve, std::move(pieces));
   return placed(curve, even_pieces(points, kMaxPieces, longest, kAll));
+}
+
+std::vector<LinePiece> pieces_within(const LinePiece& line, const Interval& part) {
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  const Interval kept{part.low > 0 ? part.low : -kAll, part.high < 1 ? part.high : kAll};
+  const double reach = kSeenOfLife * line.extent;
+  if (line.time + reach < kept.low || line.time - reach >= kept.high) return {};
+  const double distance = (part.high - part.low) / kTiles;
+  const bool fits = line.time - reach >= kept.low && line.time + reach < kept.high;
+  if (fits || kFade * distance > kMostOfLife * line.extent)
+    return line.time >= kept.low && line.time < kept.high ? std::vector{line}
+                                                          : std::vector<LinePiece>();
+  std::vector<LinePiece> pieces;
+  for (int i = part.low > 0 ? 0 : -1; i < kTiles + (part.high < 1 ? 0 : 1); ++i) {
+    LinePiece piece = line;
+    piece.time = part.low + (i + 0.5) * distance;
+    piece.extent = kFade * distance;
+    piece.mean += line.velocity * (piece.time - line.time);
+    give_share(line.time, line.extent, piece);
+    if (piece.share > kLeastShare) pieces.push_back(piece);
+  }
+  return pieces;
 }
 
 double piece_opacity(double opacity) {

@@ -28,6 +28,7 @@ struct LinePiece {
   Vec3<double> mean, velocity;  // world units, and these per clip
   Vec4<double> rotation;        // unit quaternion w,x,y,z, through the piece
   double strays = 0;            // world units: how far from the curve, as far as the next piece
+  bool is_part = false;         // of several, which together are the Gaussian
   double share = 1;             // of the Gaussian's opacity, there is at `time`
 };
 
@@ -39,6 +40,11 @@ double middle(const Vec3<double>& values);
 /// longest axis by more.
 std::vector<LinePiece> line_pieces(const Curve& curve, const Vec3<double>& scale);
 inline constexpr int kMaxPieces = 128;
+
+/// What a part of the clip has of a line: all of one that is seen in it alone, and of one that is
+/// seen beyond it, too, pieces that together fade at its ends, so that this and what follows it add
+/// up. A part that begins or ends the clip has what lies beyond.
+std::vector<LinePiece> pieces_within(const LinePiece& line, const Interval& part);
 
 /// The opacity of each piece of several that together cover, at one standard deviation, what a
 /// Gaussian of `opacity` does.

@@ -12,10 +12,10 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/math/spherical_harmonics.h"
-#include "static3d/line_motion/curve_lines.h"
 #include "static3d/line_motion/line_columns.h"
 #include "static3d/line_motion/line_formats.h"
 #include "static3d/line_motion/lines.h"
+#include "static3d/line_motion/piece_lines.h"
 
 namespace tessera {
 namespace {
@@ -109,8 +109,8 @@ LineFile load_spacetime_ply(const std::filesystem::path& path, const PlyFile& fi
   }
   const Motions motions(path, vertex);
   const GaussianSpans<const float> read = std::as_const(lines).values();
-  const CurveLines made =
-      lines_on_curves(lines, [&](int64_t n) { return curve_of(motions, read, n); });
+  const PieceLines made = lines_of_pieces(
+      lines, [&](int64_t n) { return line_pieces(curve_of(motions, read, n), scale_of(read, n)); });
   LineFile loaded{model_of_lines(made.lines, {0, (kUnstatedFrames - 1) / kUnstatedRate, false}),
                   {}};
   if (made.bent > 0)

@@ -225,23 +225,5 @@ TEST_F(LinePly, OfSogstNeedsItsSecondsAndASidecarWins) {
                      {at(".sogst.ply").string(), "sogst.time_max"});
 }
 
-// Bug put back: a Gaussian of the overlap is written by both windows; seen to fail.
-TEST_F(LinePly, WindowsGiveWhatTheirCoresHave) {
-  const GaussianModel model = some_clip(1);
-  const WindowModels two{{{{0, 0.6}, {0, 0.47}}, {{0.4, 1}, {0.47, 1}}},
-                         [&](int) { return model.clone_values(); }};
-  const GaussianModel joined = line_model(two, model);
-  const GaussianSpans<const float> values = joined.dynamic_set.values();
-  // times 0, 1/6 … 1 of windows of 0.6: the first keeps those below 0.47, the second the others
-  ASSERT_EQ(joined.dynamic_set.count(), 5 + 6);
-  for (int64_t n = 0; n < 11; ++n) {
-    const int64_t source = n < 5 ? n : n - 4;
-    EXPECT_NEAR(*values.at(kMeanTime, n), (n < 5 ? 0.0 : 0.4) + 0.6 * double(source) / 6, 1e-6);
-    EXPECT_NEAR(std::exp(*values.at(kLogScaleTime, n)), 0.6 * (0.05 + 0.05 * double(source)), 1e-6);
-    EXPECT_NEAR(values.at(kVelocity, n)[1],
-                model.dynamic_set.values().at(kVelocity, source)[1] / 0.6, 1e-5);
-  }
-}
-
 }  // namespace
 }  // namespace tessera::testing

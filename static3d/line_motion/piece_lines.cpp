@@ -1,5 +1,5 @@
 // Pieces of each Gaussian, and their opacities.
-#include "static3d/line_motion/curve_lines.h"
+#include "static3d/line_motion/piece_lines.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +8,6 @@
 
 namespace tessera {
 namespace {
-
-/// Standard deviations of a Gaussian along its axes.
-Vec3<double> scale_of(const GaussianSpans<const float>& set, int64_t n) {
-  const float* const scale = set.at(kLogScale, n);
-  return glm::exp(Vec3<double>(scale[0], scale[1], scale[2]));
-}
 
 float shared_logit(float logit, double share) {
   const double whole = 1 / (1 + std::exp(-double(logit)));
@@ -33,31 +27,35 @@ void set_line(const LinePiece& piece, const GaussianSpans<float>& to, int64_t n)
 
 }  // namespace
 
-CurveLines lines_on_curves(const GaussianSet& shapes,
-                           const std::function<Curve(int64_t)>& curve_of) {
+Vec3<double> scale_of(const GaussianSpans<const float>& set, int64_t n) {
+  const float* const scale = set.at(kLogScale, n);
+  return glm::exp(Vec3<double>(scale[0], scale[1], scale[2]));
+}
+
+PieceLines lines_of_pieces(const GaussianSet& shapes,
+                           const std::function<std::vector<LinePiece>(int64_t)>& pieces_of) {
   constexpr int64_t kGrain = 16;
   const GaussianSpans<const float> from = shapes.values();
   std::vector<std::vector<LinePiece>> pieces(size_t(shapes.count()));
   parallel_for(shapes.count(), kGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t n = begin; n < end; ++n)
-      pieces[size_t(n)] = line_pieces(curve_of(n), scale_of(from, n));
+    for (int64_t n = begin; n < end; ++n) pieces[size_t(n)] = pieces_of(n);
   });
-  CurveLines made{GaussianSet(SetForm::kVelocity, shapes.coefficients())};
+  PieceLines made{GaussianSet(SetForm::kVelocity, shapes.coefficients())};
   int64_t count = 0;
   for (const auto& of_one : pieces) count += int64_t(of_one.size());
   made.lines.resize(count);
   const GaussianSpans<float> to = made.lines.values();
   int64_t line = 0;
   for (int64_t n = 0; n < shapes.count(); ++n) {
-    const bool is_bent = pieces[size_t(n)].size() > 1;
-    made.bent += is_bent;
+    made.bent += pieces[size_t(n)].size() > 1;
     for (const LinePiece& piece : pieces[size_t(n)]) {
       for (const Group g : {kLogScale, kSh})
         std::copy_n(from.at(g, n), shapes.width(g), to.at(g, line));
       const float logit = *from.at(kOpacityLogit, n);
-      *to.at(kOpacityLogit, line) = is_bent ? shared_logit(logit, piece.share) : logit;
+      *to.at(kOpacityLogit, line) = piece.is_part ? shared_logit(logit, piece.share) : logit;
       set_line(piece, to, line++);
-      if (is_bent) made.strays = std::max(made.strays, piece.strays / middle(scale_of(from, n)));
+      if (pieces[size_t(n)].size() > 1)
+        made.strays = std::max(made.strays, piece.strays / middle(scale_of(from, n)));
     }
   }
   return made;
