@@ -44,7 +44,7 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
 /// the number in the commit that brings it; a cut lowers it.
 inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13733}, {"ingest", 26807},
                                                          {"recon4d", 12743}, {"static3d", 8168},
-                                                         {"tools", 24749},   {"tests", 59304}};
+                                                         {"tools", 24749},   {"tests", 59324}};
 
 /// Where CUDA may be used; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",

@@ -12,6 +12,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/bytes.h"
 #include "ingest/files/gzip.h"
+#include "ingest/files/ply.h"
 #include "ingest/files/png.h"
 #include "recon4d/model/model_file.h"
 #include "static3d/formats/splat_file.h"
@@ -90,6 +91,24 @@ void write_lines(const fs::path& folder) {
       format.save(folder / (std::string(format.name) + std::to_string(coefficients)), model, 0);
     }
   }
+}
+
+/// Of SpacetimeGaussians, which this program does not write.
+void write_spacetime(const fs::path& file) {
+  PlyElement vertex{"vertex", 3, {}};
+  const auto add = [&](const std::string& name, int count) {
+    for (int i = 0; i < count; ++i)
+      vertex.columns.push_back({count > 1 ? name + "_" + std::to_string(i) : name,
+                                PlyType::kFloat32,
+                                {0.5 + 0.1 * i, 0.25, -0.5}});
+  };
+  for (const char* name : {"x", "y", "z", "trbf_center", "trbf_scale", "opacity"}) add(name, 1);
+  add("motion", 9);
+  add("f_dc", 3);
+  add("scale", 3);
+  add("rot", 4);
+  add("omega", 4);
+  write_ply(file, {{}, {vertex}});
 }
 
 /// Versions 2 and 4 and what gzip hides, from a file of version 3.
@@ -240,6 +259,7 @@ int main(int argc, char** argv) {
   write_splats(folder);
   write_spz_versions(folder / "spz");
   write_lines(folder / "lines");
+  write_spacetime(folder / "lines/spacetime");
   write_models(folder);
   write_transforms(folder);
   write_images(folder / "png");
