@@ -18,15 +18,10 @@ GaussianSet lines_within(const GaussianSet& lines, const FileWindow& window, con
   const double length = window.time.high - window.time.low;
   return lines_of_pieces(lines,
                          [&](int64_t n) {
-                           const float* const mean = from.at(kMean, n);
-                           const float* const v = from.at(kVelocity, n);
-                           const float* const turn = from.at(kRotation, n);
-                           const LinePiece line{
-                               clip_time(window, double(*from.at(kMeanTime, n))),
-                               length * std::exp(double(*from.at(kLogScaleTime, n))),
-                               {mean[0], mean[1], mean[2]},
-                               Vec3<double>(v[0], v[1], v[2]) / length,
-                               {turn[0], turn[1], turn[2], turn[3]}};
+                           LinePiece line = line_at(from, n);
+                           line.time = clip_time(window, line.time);
+                           line.extent *= length;
+                           line.velocity /= length;
                            return pieces_within(line, part);
                          })
       .lines;

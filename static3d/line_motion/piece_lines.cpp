@@ -32,6 +32,17 @@ Vec3<double> scale_of(const GaussianSpans<const float>& set, int64_t n) {
   return glm::exp(Vec3<double>(scale[0], scale[1], scale[2]));
 }
 
+LinePiece line_at(const GaussianSpans<const float>& lines, int64_t n) {
+  const float* const mean = lines.at(kMean, n);
+  const float* const v = lines.at(kVelocity, n);
+  const float* const turn = lines.at(kRotation, n);
+  return {double(*lines.at(kMeanTime, n)),
+          std::exp(double(*lines.at(kLogScaleTime, n))),
+          {mean[0], mean[1], mean[2]},
+          {v[0], v[1], v[2]},
+          {turn[0], turn[1], turn[2], turn[3]}};
+}
+
 PieceLines lines_of_pieces(const GaussianSet& shapes,
                            const std::function<std::vector<LinePiece>(int64_t)>& pieces_of) {
   constexpr int64_t kGrain = 16;

@@ -18,6 +18,8 @@ struct PieceLines {
 PieceLines lines_of_pieces(const GaussianSet& shapes,
                            const std::function<std::vector<LinePiece>(int64_t)>& pieces_of);
 
+/// A Gaussian of a set of lines.
+LinePiece line_at(const GaussianSpans<const float>& lines, int64_t n);
 /// Standard deviations of Gaussian n along its axes, world units.
 Vec3<double> scale_of(const GaussianSpans<const float>& set, int64_t n);
 

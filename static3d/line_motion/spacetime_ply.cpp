@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "kernels/base/errors.h"
 #include "kernels/math/spherical_harmonics.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/line_motion/line_columns.h"
 #include "static3d/line_motion/line_formats.h"
 #include "static3d/line_motion/lines.h"
@@ -70,8 +72,10 @@ class Motions {
   std::vector<const std::vector<double>*> motion_, omega_;
 };
 
-/// Through the part of the clip in which it is seen; all of its life, where that is none.
-Curve curve_of(const Motions& motions, const GaussianSpans<const float>& lines, int64_t n) {
+/// Through the part of the clip in which it is seen; none where that is none, and of what is no
+/// number.
+std::optional<Curve> curve_of(const Motions& motions, const GaussianSpans<const float>& lines,
+                              int64_t n) {
   constexpr double kSeen = 2.5;  // deviations: 4 % of opacity are left
   constexpr int kPoints = 129;
   Curve curve;
@@ -79,8 +83,7 @@ Curve curve_of(const Motions& motions, const GaussianSpans<const float>& lines, 
   curve.extent = std::exp(double(*lines.at(kLogScaleTime, n)));
   const double reach = kSeen * curve.extent;
   curve.time = {std::max(0.0, curve.centre - reach), std::min(1.0, curve.centre + reach)};
-  if (!(curve.time.low < curve.time.high))
-    curve.time = {curve.centre - reach, curve.centre + reach};
+  if (!(curve.time.low < curve.time.high) || !is_valid_element(lines, n)) return std::nullopt;
   for (int i = 0; i < kPoints; ++i) {
     const double time = curve.time.low + (curve.time.high - curve.time.low) * i / (kPoints - 1);
     curve.points.push_back(motions.at(lines, n, time - curve.centre));
@@ -109,8 +112,10 @@ LineFile load_spacetime_ply(const std::filesystem::path& path, const PlyFile& fi
   }
   const Motions motions(path, vertex);
   const GaussianSpans<const float> read = std::as_const(lines).values();
-  const PieceLines made = lines_of_pieces(
-      lines, [&](int64_t n) { return line_pieces(curve_of(motions, read, n), scale_of(read, n)); });
+  const PieceLines made = lines_of_pieces(lines, [&](int64_t n) {
+    const std::optional<Curve> curve = curve_of(motions, read, n);
+    return curve ? line_pieces(*curve, scale_of(read, n)) : std::vector{line_at(read, n)};
+  });
   LineFile loaded{model_of_lines(made.lines, {0, (kUnstatedFrames - 1) / kUnstatedRate, false}),
                   {}};
   if (made.bent > 0)

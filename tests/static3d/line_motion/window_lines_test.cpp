@@ -11,7 +11,7 @@
 namespace tessera::testing {
 namespace {
 
-const std::vector<FileWindow> kTwo{{{0, 0.6}, {0, 0.47}}, {{0.4, 1}, {0.47, 1}}};
+const std::vector<FileWindow> kTwoCores{{{0, 0.6}, {0, 0.47}}, {{0.4, 1}, {0.47, 1}}};
 
 /// A model of the clip in the time of a window.
 GaussianModel in_window(const GaussianModel& model, const FileWindow& window) {
@@ -46,7 +46,7 @@ GaussianModel lines_of_two(const GaussianModel& model, const std::vector<FileWin
 // whose centre lies beyond the core left out.
 TEST(WindowLines, AreNearWhatTheWindowsShow) {
   const GaussianModel model = slow_clip();
-  const GaussianModel lines = lines_of_two(model, kTwo);
+  const GaussianModel lines = lines_of_two(model, kTwoCores);
   EXPECT_EQ(lines.static_set.count(), 8);
   EXPECT_GT(likeness(lines, model, {0, 0.2, 0.35, 0.6, 0.8, 1}), 46);
   EXPECT_GT(likeness(lines, model, {0.42, 0.47, 0.52}), 46) << "near the border";
@@ -61,7 +61,7 @@ TEST(WindowLines, OfOneWindowAreItsOwn) {
 
 // Bug put back: what stands still in the light of the whole clip; seen to fail.
 TEST(WindowLines, StandInTheLightOfEach) {
-  std::vector<FileWindow> windows = kTwo;
+  std::vector<FileWindow> windows = kTwoCores;
   windows[1].light = {0.6, 0.7, 0.8};
   const GaussianModel model = slow_clip();
   GaussianModel darker = model.clone_values();
