@@ -196,9 +196,9 @@ struct StepOutcome {
   std::vector<double> d_times, d_readouts;
 };
 
-/// A device runs behind the host: only `project`, `outcome`, `select_elements`,
-/// `growth_weight`, `relocate_elements`, `sum_of_squares` and memory().copy wait for it. All spans
-/// and buffers of the arguments lie in memory().
+/// The operations and what each does are in operations.inc. A device runs behind the host: only
+/// `project`, `outcome`, `select_elements`, `growth_weight`, `relocate_elements`, `sum_of_squares`
+/// and memory().copy wait for it. All spans and buffers of the arguments lie in memory().
 template <class Real>
 class BackendOf {
  public:
@@ -213,120 +213,8 @@ class BackendOf {
   /// before this does.
   virtual std::unique_ptr<PixelSearch> pixel_search() { return nullptr; }
 
-  /// Poses of the nodes in every view, weights of every binding, and every Gaussian of a canonical
-  /// set in every view. What is bound to no node stays as it is at rest, bit by bit.
-  virtual void carry(const CarryArgs<Real>& args, Carried<Real>& carried) = 0;
-  /// Gaussians → visible splats of every view: slice, EWA, colour, tiles counted.
-  virtual void project(const ProjectArgs<Real>& args, Splats<Real>& splats) = 0;
-  /// Splats → instances by tile and depth.
-  virtual void bin(const BinArgs<Real>& args, TileInstances<Real>& instances) = 0;
-  /// Front-to-back blending of every tile.
-  virtual void blend(const BlendArgs<Real>& args, Images<Real>& images) = 0;
-  /// colour += transmittance · environment along the pixel. After `blend`, whose background then is
-  /// black; before `photometric` and `blend_backward`, which so see what shows through Gaussians.
-  virtual void environment(const EnvironmentArgs<Real>& args, Images<Real>& images) = 0;
-  /// d_map [H, 2H, 3] is written; equal inputs give equal bits. Texels that a non-finite gradient
-  /// falls on are not finite.
-  virtual void environment_backward(const EnvironmentArgs<Real>& args, const Images<Real>& images,
-                                    Span<const Real> d_colour, Span<Real> d_map) = 0;
-  /// mapped [3·pixels], laid out as the images: A·c + o of every pixel.
-  virtual void map_colours(const ColourMapArgs<Real>& args, Span<Real> mapped) = 0;
-  /// After photometric of mapped images: d_colour becomes the gradient by the images as rendered,
-  /// and `outcome` has the gradient by the maps. Equal inputs give equal bits.
-  virtual void map_colours_backward(const ColourMapArgs<Real>& args, Span<Real> d_colour) = 0;
-  /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted). An ignored
-  /// pixel adds nothing: |I − G| = 0, SSIM = 1, d_colour = 0; in the windows of others its truth is
-  /// what was rendered, taken as constant. Means are over all pixels of the view, so that a pixel
-  /// weighs the same with a mask and without.
-  virtual void photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) = 0;
-  /// colour − truth/255 of every pixel and channel, not clamped; 0 where the mask ignores the
-  /// pixel. The weights are not used.
-  virtual void residual(const PhotometricArgs<Real>& args, Span<Real> residual) = 0;
-  /// Gradient of each splat, summed over its pixels, and the lengths that are asked for.
-  virtual void blend_backward(const BlendBackwardArgs<Real>& args,
-                              Span<SplatMoments<Real>> d_splats) = 0;
-  /// What each splat is to the images; written, zeros for a splat that draws no pixel. After a
-  /// forward pass with for_backward. Masks and responses are in removal1 and removal2 alone.
-  virtual void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) = 0;
-  /// Raises the value of each Gaussian that has a splat, [N] static set first, to its largest
-  /// blending weight T·α over the pixels of the batch; masks are not looked at. After a forward
-  /// pass with for_backward.
-  virtual void largest_weights(const BlendArgs<Real>& forward, const Images<Real>& images,
-                               Span<Real> elements) = 0;
-  /// Adds the sums of splats to those of their Gaussians, view by view. The last timestep of the
-  /// variation stays open: close_series of kernels/math/contribution.h.
-  virtual void contributions(const ContributionArgs<Real>& args) = 0;
-  /// Dynamic Gaussians → static ones (kernels/edits/demote.h).
-  virtual void demote(const DemoteArgs<Real>& args) = 0;
-  /// Of two residuals of one batch, laid out as Images::colour: by how much the squared error of
-  /// each pixel grew, in the first channel of `residual`; zeros in the others.
-  virtual void added_squares(const ViewBatch<Real>& batch, Span<const Real> before,
-                             Span<Real> residual) = 0;
-  /// How much each pixel is missed (missed_level); 0 where it does not move. Equal inputs give
-  /// equal bits on all backends.
-  virtual void missed_pixels(const MissedArgs<Real>& args, Span<uint8_t> missed) = 0;
-  /// How much the views that see a place miss it, where enough of them do (residual_vote).
-  virtual void residual_votes(const VoteArgs<Real>& args, Span<Real> votes) = 0;
-  /// Equal inputs give equal bits. Waits.
-  virtual double sum_of_squares(Span<const Real> values) = 0;
-  /// Splat gradients → parameter gradients, summed over views, into the sinks; of a canonical set
-  /// those by mean and rotation in each view, which carry_backward takes further.
-  virtual void project_backward(const ProjectBackwardArgs<Real>& args) = 0;
-  /// Gradients by mean and rotation in each view → by those at rest and by the logits, into the
-  /// sink, and by the nodes. After project_backward.
-  virtual void carry_backward(const CarryBackwardArgs<Real>& args) = 0;
-  /// Of the last photometric and project_backward, and of adam_values after it; waits for these,
-  /// not for what came after.
-  virtual StepOutcome outcome() = 0;
-
-  /// Adam over stored gradients: what the fused sink does, as a stage of its own.
-  virtual void adam(const SinkArgs<Real>& args) = 0;
-  /// A step of Adam of values that belong to no Gaussian; `outcome` says whether the gradient was
-  /// finite.
-  virtual void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam,
-                           Span<Real> value, Span<Real> moment1, Span<Real> moment2) = 0;
-
-  /// mean[i] += weight · (values[i] − mean[i]).
-  virtual void add_to_mean(Span<const Real> values, Real weight, Span<Real> mean) = 0;
-
-  /// to[i] = from[index[i]] for elements of `width` scalars; index −1 writes zeros, as do elements
-  /// from `inherited` on.
-  virtual void gather_elements(Span<const Real> from, Span<const int64_t> index, int width,
-                               int64_t inherited, Span<Real> to) = 0;
-  /// Which elements survive, are cloned and are split. Where room is short the rule says which
-  /// grow.
-  virtual void select_elements(const GaussianSpans<const Real>& set,
-                               const DensityStatistics<const Real>& statistics,
-                               const DensityRule& rule, DensityElements& elements) = 0;
-  /// Σ of the scores of those that may grow by the rule, whatever room there is. Equal inputs give
-  /// equal bits. Waits.
-  virtual double growth_weight(const GaussianSpans<const Real>& set,
-                               const DensityStatistics<const Real>& statistics,
-                               const DensityRule& rule) = 0;
-  /// Elements from `first` on, which are two copies of each Gaussian that is split, all first ones
-  /// and then all second ones, become its children.
-  virtual void place_children(const GaussianSpans<Real>& set, int64_t first,
-                              const SplitRule& rule) = 0;
-  /// Draws an alive Gaussian for every dead one and for every element that is added, with
-  /// probability in proportion to opacity and with replacement. Those that were drawn n − 1 times
-  /// become, in place, n Gaussians in one spot that together look as the one did; `elements` states
-  /// the source of each copy. Where no Gaussian is alive nothing is moved, and `added` must be 0.
-  virtual void relocate_elements(const GaussianSpans<Real>& set, const RelocationRule& rule,
-                                 RelocationElements& elements) = 0;
-  /// means += Σ·ξ · scale / (1 + exp(100·opacity − ½)), ξ normal.
-  virtual void add_position_noise(const GaussianSpans<Real>& set, const PositionNoise& noise) = 0;
-  /// Elements in Morton order of the means; of a Dim 4 set then stably by 32 bins of temporal
-  /// means.
-  virtual void locality_order(const GaussianSpans<const Real>& set, Buffer<int64_t>& order) = 0;
-  /// φ[n] = √0.2·d/f, d the least depth of Gaussian n in the views that sample it, each at the time
-  /// of that view; of one that none samples: the largest φ of the others; 0 where there are no
-  /// others.
-  virtual void filter_sizes(const FilterArgs<Real>& args, Span<Real> sizes) = 0;
-  /// Every Gaussian of a set that has its φ with it. `limit`: an opacity, for kLimitOpacity.
-  virtual void edit_by_filter(FilterEdit edit, const GaussianSpans<Real>& set, Real limit) = 0;
-  /// values[i] ← min(values[i], limit).
-  virtual void limit_values(Span<Real> values, Real limit) = 0;
-  virtual void fill_zero(Span<Real> values) = 0;
+#define OPERATION(result, name, parameters, names) virtual result name parameters = 0;
+#include "kernels/operations.inc"
 };
 
 using Backend = BackendOf<float>;

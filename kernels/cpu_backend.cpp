@@ -11,8 +11,15 @@ std::string CpuBackend<Real>::name() const {
   return "cpu, " + std::to_string(threads) + (threads == 1 ? " thread" : " threads");
 }
 
+template <class Real>
+StepOutcome CpuBackend<Real>::outcome() {
+  return outcome_;
+}
+
 template std::string CpuBackend<float>::name() const;
 template std::string CpuBackend<double>::name() const;
+template StepOutcome CpuBackend<float>::outcome();
+template StepOutcome CpuBackend<double>::outcome();
 
 std::unique_ptr<Backend> make_cpu_backend() {
   return std::make_unique<CpuBackend<float>>();

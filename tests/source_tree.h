@@ -9,7 +9,7 @@ inline const std::filesystem::path kSourceRoot = TESSERA_SOURCE_DIR;
 
 inline bool is_source(const std::filesystem::path& path) {
   const std::string kind = path.extension();
-  return kind == ".h" || kind == ".cpp" || kind == ".cu" || kind == ".cuh";
+  return kind == ".h" || kind == ".cpp" || kind == ".cu" || kind == ".cuh" || kind == ".inc";
 }
 
 /// A source of the tests and scripts that is not C++.

@@ -70,54 +70,9 @@ class CudaBackend final : public Backend {
   std::unique_ptr<PixelSearch> pixel_search() override;
   cudaStream_t stream() const { return stream_; }
 
-  void carry(const CarryArgs<float>& args, Carried<float>& carried) override;
-  void carry_backward(const CarryBackwardArgs<float>& args) override;
-  void project(const ProjectArgs<float>& args, Splats<float>& splats) override;
-  void bin(const BinArgs<float>& args, TileInstances<float>& instances) override;
-  void blend(const BlendArgs<float>& args, Images<float>& images) override;
-  void environment(const EnvironmentArgs<float>& args, Images<float>& images) override;
-  void environment_backward(const EnvironmentArgs<float>& args, const Images<float>& images,
-                            Span<const float> d_colour, Span<float> d_map) override;
-  void map_colours(const ColourMapArgs<float>& args, Span<float> mapped) override;
-  void map_colours_backward(const ColourMapArgs<float>& args, Span<float> d_colour) override;
-  void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override;
-  void residual(const PhotometricArgs<float>& args, Span<float> residual) override;
-  void blend_backward(const BlendBackwardArgs<float>& args,
-                      Span<SplatMoments<float>> d_splats) override;
-  void sensitivity(const SensitivityArgs<float>& args, Span<SplatSensitivity<float>> out) override;
-  void largest_weights(const BlendArgs<float>& forward, const Images<float>& images,
-                       Span<float> elements) override;
-  void contributions(const ContributionArgs<float>& args) override;
-  void demote(const DemoteArgs<float>& args) override;
-  void added_squares(const ViewBatch<float>& batch, Span<const float> before,
-                     Span<float> residual) override;
-  void missed_pixels(const MissedArgs<float>& args, Span<uint8_t> missed) override;
-  void residual_votes(const VoteArgs<float>& args, Span<float> votes) override;
-  double sum_of_squares(Span<const float> values) override;
-  void project_backward(const ProjectBackwardArgs<float>& args) override;
-  StepOutcome outcome() override;
-  void adam(const SinkArgs<float>& args) override;
-  void adam_values(Span<const float> gradient, const AdamScalars<float>& adam, Span<float> value,
-                   Span<float> moment1, Span<float> moment2) override;
-  void add_to_mean(Span<const float> values, float weight, Span<float> mean) override;
-  void gather_elements(Span<const float> from, Span<const int64_t> index, int width,
-                       int64_t inherited, Span<float> to) override;
-  void select_elements(const GaussianSpans<const float>& set,
-                       const DensityStatistics<const float>& statistics, const DensityRule& rule,
-                       DensityElements& elements) override;
-  double growth_weight(const GaussianSpans<const float>& set,
-                       const DensityStatistics<const float>& statistics,
-                       const DensityRule& rule) override;
-  void place_children(const GaussianSpans<float>& set, int64_t first,
-                      const SplitRule& rule) override;
-  void relocate_elements(const GaussianSpans<float>& set, const RelocationRule& rule,
-                         RelocationElements& elements) override;
-  void add_position_noise(const GaussianSpans<float>& set, const PositionNoise& noise) override;
-  void locality_order(const GaussianSpans<const float>& set, Buffer<int64_t>& order) override;
-  void filter_sizes(const FilterArgs<float>& args, Span<float> sizes) override;
-  void edit_by_filter(FilterEdit edit, const GaussianSpans<float>& set, float limit) override;
-  void limit_values(Span<float> values, float limit) override;
-  void fill_zero(Span<float> values) override;
+  using Real = float;
+#define OPERATION(result, name, parameters, names) result name parameters override;
+#include "kernels/operations.inc"
 
  private:
   struct Stream {

@@ -92,6 +92,99 @@ void report_colour(const StateEdit& edit, ReductionReport& report) {
     for (const uint8_t degree : degrees) ++report.degrees[degree];
 }
 
+/// One decision, edit by edit: each is of what was measured since the last one.
+class OneDecision {
+ public:
+  OneDecision(Backend& backend, const TrainOptions& options, const DueDecision& due,
+              Trainer& trainer)
+      : backend_(backend), options_(options), due_(due), trainer_(trainer) {
+    trainer.release_step_buffers();
+    sample_ = trainer.sample_frames();
+    report_.iteration = due.iteration;
+    report_.static_before = state_.model.static_set.count();
+    report_.dynamic_before = state_.model.dynamic_set.count();
+  }
+
+  /// Which Gaussians are static and which dynamic; new ones where pixels that move are missed.
+  void change_motion() {
+    if (!has_timesteps(sample_)) return;
+    report_pass(measured(), sample_, report_);
+    MotionDecision decision;
+    if (is_frozen()) {
+      decision.edit.dropped[1] = still_dynamic(measured());
+      report_.removed += int64_t(decision.edit.dropped[1].size());
+    } else {
+      decision = decide_motion(backend_, trainer_.drawn_model(), measured(), sample_, due_);
+      report_motion(decision, report_);
+    }
+    if (due_.spawn_missed) {
+      GaussianSet spawned =
+          spawn_missed(backend_, trainer_.drawn_model(), sample_, uint64_t(options_.seed));
+      report_.spawned_missed = spawned.count();
+      if (spawned.count() > 0) decision.edit.added[1].push_back(std::move(spawned));
+    }
+    if (!decision.edit.empty()) apply(decision.edit);
+  }
+
+  /// Removes what costs least; in the last round, then, SH degrees.
+  void prune(SizeRequest request, const ShippedBytes& bytes) {
+    report_pass(measured(), sample_, report_);
+    std::vector<Removal> order = this->order();
+    if (is_frozen() && request.gaussians > 0)
+      request.gaussians = std::max<int64_t>(1, request.gaussians - state_.model.static_set.count());
+    if (request.bytes > 0 && request.known_goal == 0 && !order.empty())
+      request.file_bytes = bytes(trainer_.host_model());
+    const PruningChoice choice = choose_pruning(order, measured(), request);
+    const int64_t seen = seen_count(order);
+    report_pruning(choice, seen, report_);
+    for (int64_t now = seen; now > choice.after; order = this->order()) {
+      now = next_cut(now, choice.after);
+      apply(cut_to(order, now));
+    }
+    if (order.empty()) return;
+    report_.psnr_after = measured().psnr_after(0);
+    if (!options_.decide_colour || due_.rounds_left != 1) return;
+    const StateEdit edit =
+        decide_colour(state_.model, measured(), choice.error_per_byte, is_frozen() ? 1 : 0);
+    report_colour(edit, report_);
+    apply(edit);
+  }
+
+  /// `seconds`: of all of it.
+  ReductionReport finished(double seconds) {
+    report_.static_after = state_.model.static_set.count();
+    report_.dynamic_after = state_.model.dynamic_set.count();
+    report_.seconds = seconds;
+    trainer_.record(report_.goal > 0 ? report_.goal : state_.goal, seconds);
+    return report_;
+  }
+
+ private:
+  /// Whether the static set is that of a whole clip, of which this is a window.
+  bool is_frozen() const { return !state_.trains(0); }
+  /// What each Gaussian contributes, of the model as it is.
+  const Contributions& measured() {
+    if (!contributions_)
+      contributions_ =
+          measure_contributions(backend_, trainer_.drawn_model(), sample_, kSampledFrames);
+    return *contributions_;
+  }
+  std::vector<Removal> order() { return removal_order(state_.model, measured(), is_frozen()); }
+  void apply(const StateEdit& edit) {
+    trainer_.apply(edit);
+    contributions_.reset();
+  }
+
+  Backend& backend_;
+  const TrainOptions& options_;
+  const DueDecision& due_;
+  Trainer& trainer_;
+  const TrainState& state_ = trainer_.state();
+  FrameSample sample_;
+  std::optional<Contributions> contributions_;
+  ReductionReport report_;
+};
+
 }  // namespace
 
 ModelReduction::ModelReduction(Backend& backend, const TrainOptions& options, ShippedBytes bytes)
@@ -117,69 +210,10 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   const DueDecision due = schedule_.due(state.iteration, state.decided);
   if (!due.any()) return std::nullopt;
   const auto begin = std::chrono::steady_clock::now();
-  trainer.release_step_buffers();
-  const FrameSample sample = trainer.sample_frames();
-  const auto measure = [&] {
-    return measure_contributions(backend_, trainer.drawn_model(), sample, kSampledFrames);
-  };
-  ReductionReport report;
-  report.iteration = due.iteration;
-  report.static_before = state.model.static_set.count();
-  report.dynamic_before = state.model.dynamic_set.count();
-  std::optional<Contributions> contributions;  // of the model as it is
-  if (due.motion && has_timesteps(sample)) {
-    MotionDecision decision;
-    contributions = measure();
-    report_pass(*contributions, sample, report);
-    if (state.trains(0)) {
-      decision = decide_motion(backend_, trainer.drawn_model(), *contributions, sample, due);
-      report_motion(decision, report);
-    } else {
-      decision.edit.dropped[1] = still_dynamic(*contributions);
-      report.removed += int64_t(decision.edit.dropped[1].size());
-    }
-    if (due.spawn_missed) {
-      GaussianSet spawned =
-          spawn_missed(backend_, trainer.drawn_model(), sample, uint64_t(options_.seed));
-      report.spawned_missed = spawned.count();
-      if (spawned.count() > 0) decision.edit.added[1].push_back(std::move(spawned));
-    }
-    if (!decision.edit.empty()) {
-      trainer.apply(decision.edit);
-      contributions.reset();
-    }
-  }
-  if (due.prune) {
-    if (!contributions) contributions = measure();
-    report_pass(*contributions, sample, report);
-    std::vector<Removal> order = removal_order(state.model, *contributions, !state.trains(0));
-    SizeRequest request = size_request(validation, state.goal, due.rounds_left);
-    if (!state.trains(0) && request.gaussians > 0)
-      request.gaussians = std::max<int64_t>(1, request.gaussians - state.model.static_set.count());
-    if (request.bytes > 0 && request.known_goal == 0 && !order.empty())
-      request.file_bytes = bytes_(trainer.host_model());
-    const PruningChoice choice = choose_pruning(order, *contributions, request);
-    const int64_t seen = seen_count(order);
-    report_pruning(choice, seen, report);
-    for (int64_t now = seen; now > choice.after;) {
-      now = next_cut(now, choice.after);
-      trainer.apply(cut_to(order, now));
-      contributions = measure();
-      order = removal_order(state.model, *contributions, !state.trains(0));
-    }
-    if (!order.empty()) report.psnr_after = contributions->psnr_after(0);
-    if (!order.empty() && options_.decide_colour && due.rounds_left == 1) {
-      const StateEdit edit = decide_colour(state.model, *contributions, choice.error_per_byte,
-                                           state.trains(0) ? 0 : 1);
-      report_colour(edit, report);
-      trainer.apply(edit);
-    }
-  }
-  report.static_after = state.model.static_set.count();
-  report.dynamic_after = state.model.dynamic_set.count();
-  report.seconds = seconds_since(begin);
-  trainer.record(report.goal > 0 ? report.goal : state.goal, report.seconds);
-  return report;
+  OneDecision decision(backend_, options_, due, trainer);
+  if (due.motion) decision.change_motion();
+  if (due.prune) decision.prune(size_request(validation, state.goal, due.rounds_left), bytes_);
+  return decision.finished(seconds_since(begin));
 }
 
 nlohmann::json to_json(const ReductionReport& report) {
