@@ -55,14 +55,14 @@ void OptionRows::add_growth() {
   group("Model size");
   number("max_gaussians", &O::max_gaussians, kGaussians, "ours",
          "Largest number of Gaussians of the finished model; 0: no limit")
-      .in_help("50k");
+      .example("50k");
   number("max_bytes", &O::max_bytes, {0, 1e14, Unit::kBytes}, "ours",
          "Largest size of the exported file (export --format tessera); a player page adds about 3 "
          "MB; 0: no limit")
-      .in_help("5MB");
+      .example("5MB");
   number("within_db", &O::within_db, {0, 100}, "ours",
          "Keep the smallest model whose validation PSNR is within so many dB of the best; 0: off")
-      .in_help("0.3");
+      .example("0.3");
   choice<&O::size>(
       "size", "ours",
       "Without one of these three limits: grown (as density control leaves it) or knee (where the "
@@ -90,8 +90,7 @@ void OptionRows::add_growth() {
   group("Kernels");
   on_off("deterministic", &O::deterministic, "ours",
          "Bit-identical models on the same device: sum gradients in a fixed order (CUDA, about a "
-         "fifth slower; the CPU always does)")
-      .in_help();
+         "fifth slower; the CPU always does)");
   number("feed_bytes", &O::feed_bytes, {0, 1e12, Unit::kBytes}, "ours",
          "CUDA: memory for training images; what does not fit is copied ahead of each step; 0: the "
          "free memory but for a reserve");

@@ -9,13 +9,13 @@ void OptionRows::add_model() {
   group("Length");
   number("iterations", &O::iterations, kSteps, "[3DGS]",
          "Training steps; each uses one batch of views. Stretches the whole schedule")
-      .in_help("15k");
+      .example("15k");
   number("schedule_iterations", &O::schedule_iterations, kPositiveSteps, "ours",
          "Length that other step counts refer to; they are scaled by iterations / this");
   number("batch", &O::batch, {1, 1024, Unit::kCount}, "[Yang24]",
          "Views (camera and time) per step")
-      .in_help("8");
-  number("seed", &O::seed, {0, 1e12}, "ours", "Seed of every random choice").in_help("2");
+      .example("8");
+  number("seed", &O::seed, {0, 1e12}, "ours", "Seed of every random choice").example("2");
 
   group("Scene");
   choice<&O::motion>(
@@ -23,11 +23,10 @@ void OptionRows::add_model() {
       "How the scene moves: none (static Gaussians only, as 3DGS; all images count as one "
       "timestep), pair (two quaternions and four scales of space-time), velocity (a 3D Gaussian "
       "with a velocity and a temporal extent), nodes (one set of Gaussians that motion nodes "
-      "carry), auto (nodes or pair, by frames held out of a short trial)")
-      .in_help();
+      "carry), auto (nodes or pair, by frames held out of a short trial)");
   text("background", &O::background, "[Faster-GS]",
        "Colour behind the scene: black, white or r,g,b (0-255)")
-      .in_help("255,255,255");
+      .example("255,255,255");
   number("near_plane", &O::near_plane, kDistance, "[3DGS]",
          "Nearest depth at which Gaussians are drawn; 0: half of the depth at which the training "
          "cameras see the first points of the initial cloud");
@@ -35,12 +34,12 @@ void OptionRows::add_model() {
          "Farthest depth at which Gaussians are drawn");
   number("train_scale", &O::train_scale, {1e-3, 1}, "[Mip-Splatting]",
          "Size of the training images relative to the scene's; areas are averaged")
-      .in_help("0.5");
+      .example("0.5");
 
   group("Initial Gaussians");
   number("init_points", &O::init_points, kGaussians, "[Yang24]",
          "Initial Gaussians: at most so many points of the cloud, or so many random points")
-      .in_help("100k");
+      .example("100k");
   number("init_extent", &O::init_extent, kDistance, "[Faster-GS]",
          "Half the side of the box of random points; 0: from the cameras");
   number("init_opacity", &O::init_opacity, {1e-6, 0.999999}, "[3DGS]", "Initial opacity");
@@ -60,7 +59,7 @@ void OptionRows::add_model() {
   number("validation_share", &O::validation_share, {0, 0.9}, "ours",
          "Share of the training views kept as validation views that choose the best model; 0: the "
          "last model is kept")
-      .in_help("0.1");
+      .example("0.1");
   number("validate_interval", &O::validate_interval, kPositiveSteps, "ours",
          "Steps between two scores of the validation views");
   number("stop_patience", &O::stop_patience, {0, 1e9}, "ours",
@@ -69,7 +68,7 @@ void OptionRows::add_model() {
   group("Model");
   number("sh_degree", &O::sh_degree, {0, 3}, "[3DGS]",
          "Highest degree of the spherical harmonics (SH) of the colours")
-      .in_help("2");
+      .example("2");
   number("sh_interval", &O::sh_interval, kPositiveSteps, "[3DGS]",
          "Steps after which one more SH degree is used");
   number("sh_time_degree", &O::sh_time_degree, {0, kMaxTimeLevels}, "[Yang24], which has 2",

@@ -22,8 +22,7 @@ void OptionRows::add_optimisation() {
       "exposure", "ours",
       "Learn colours of the training images: none; camera (an RGB gain each); affine (a 3x3 matrix "
       "and an offset each); frame (a gain per image); auto (camera where gains differ by more than "
-      "3 %, else none). Scores and exports use the mean camera")
-      .in_help();
+      "3 %, else none). Scores and exports use the mean camera");
 
   choice<&O::clocks>(
       "clocks", "ours",

@@ -58,11 +58,8 @@ class OptionRows {
                             [](O& options, size_t value) { options.*kMember = Enum(value); }},
                {0, 0}, source, doc);
   }
-  /// --help shows the row that was added last, with this example of a value.
-  void in_help(const char* example = "") {
-    rows_.back().common = true;
-    rows_.back().example = example;
-  }
+  /// Help shows this value as an example of the row that was added last.
+  void example(const char* example) { rows_.back().example = example; }
 
   OptionRows& add(const char* key, Member member, OptionRange range, const char* source,
                   const char* doc);

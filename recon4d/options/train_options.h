@@ -114,7 +114,6 @@ struct TrainOption {
   const char* source;        // of the default
   const char* group;         // heading in --help-all and the reference
   Unit unit = Unit::kNone;   // of numbers: which suffixes text may have
-  bool common = false;       // shown by --help
   const char* example = "";  // a value, for --help; empty: none
 
   /// Allowed values of a choice; empty for other options.

@@ -14,6 +14,43 @@
 namespace tessera {
 namespace {
 
+/// What --help shows of a command that has more options than a screen has lines.
+struct ShortHelp {
+  const char* command;
+  std::vector<const char*> examples;  // a command line each, with what it does
+  std::vector<const char*> options;   // with dashes, in the order in which they are shown
+};
+
+/// Nothing: --help shows all options of that command.
+const ShortHelp* short_help(const std::string& command) {
+  static const std::vector<ShortHelp> rows{
+      {"run",
+       {"tessera run dance -o out --preset fast --scale 0.5    a first result, quickly",
+        "tessera run dance -o out_full                         preset balanced, full size",
+        "tessera run dance -o out --frames 60 --view           60 frames, watched in a browser"},
+       {"--out", "--preset", "--scale", "--frames", "--start", "--cameras", "--held-out", "--poses",
+        "--sync", "--masks", "--cloud", "--motion", "--iterations", "--max-gaussians", "--windows",
+        "--export-frames", "--view", "--overwrite", "--backend"}},
+      {"train",
+       {"tessera train scene -o run --preset fast              a first result, quickly",
+        "tessera train scene -o run --iterations 20000         the same command resumes it",
+        "tessera train scene -o run --max-bytes 5MB            the best model of that size"},
+       {"--out", "--preset", "--iterations", "--batch", "--seed", "--motion", "--init-points",
+        "--background", "--sh-degree", "--exposure", "--validation-share", "--max-gaussians",
+        "--max-bytes", "--within-db", "--windows", "--view", "--resume", "--overwrite",
+        "--backend"}},
+      {"batch",
+       {"tessera batch captures -o out --preset fast,balanced  all captures by two presets",
+        "tessera batch captures -o out --seeds 1,2,3 --dry-run what would be done",
+        "tessera batch -o out                                  continues where it was stopped"},
+       {"--out", "--preset", "--seeds", "--steps", "--budgets", "--exports", "--jobs", "--gpus",
+        "--windows", "--dry-run", "--profile", "--part", "--scale", "--frames", "--held-out",
+        "--motion", "--max-gaussians"}}};
+  for (const ShortHelp& row : rows)
+    if (command == row.command) return &row;
+  return nullptr;
+}
+
 constexpr size_t kNames = 30;  // width of the first column
 
 size_t line_width() {
@@ -68,15 +105,34 @@ std::string entry(const std::string& names, const std::string& text) {
   return fmt::format("{}\n{}{}\n", first, std::string(kNames, ' '), wrapped(text));
 }
 
+std::string names_of(const OptionReference& option) {
+  const std::string names = fmt::format("{}", fmt::join(option.names, ", "));
+  return option.placeholder.empty() ? names : names + " " + option.placeholder;
+}
+
+/// The option in a line or two: what it is, without cases, and the default of a training that is
+/// asked for nothing.
+std::string short_entry(OptionReference option) {
+  std::string text = first_line(option.doc);
+  text.resize(std::min(text.find("; "), text.size()));
+  if (!option.choices.empty()) {
+    text.resize(std::min(text.find(':'), text.size()));
+    option.placeholder.clear();
+    text += fmt::format(": {}", fmt::join(option.choices, ", "));
+  }
+  if (option.required) text += " (required)";
+  if (!option.defaults.empty())
+    text += fmt::format(" [{}]", option.defaults.substr(0, option.defaults.find(';')));
+  return entry(names_of(option), text);
+}
+
 std::string entry(const OptionReference& option) {
-  std::string names = fmt::format("{}", fmt::join(option.names, ", "));
-  if (!option.placeholder.empty()) names += " " + option.placeholder;
   std::string text = option.doc;
   if (option.row != nullptr && *option.row->example != '\0')
     text += fmt::format(", for example {}", option.row->example);
   if (option.required) text += " (required)";
   if (!option.defaults.empty()) text += fmt::format(" [{}]", option.defaults);
-  return entry(names, text);
+  return entry(names_of(option), text);
 }
 
 class HelpFormatter : public CLI::Formatter {
@@ -88,13 +144,17 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_help(const CLI::App* app, std::string name,
                         CLI::AppFormatMode mode) const override {
     if (mode == CLI::AppFormatMode::Sub) return make_expanded(app);
-    return make_description(app) + make_usage(app, std::move(name)) + make_positionals(app) +
-           groups_text(app, mode) + make_subcommands(app, mode);
+    const std::string head =
+        make_description(app) + make_usage(app, std::move(name)) + make_positionals(app);
+    const ShortHelp* const brief =
+        mode == CLI::AppFormatMode::Normal ? short_help(app->get_name()) : nullptr;
+    if (brief != nullptr) return head + short_text(app, *brief);
+    return head + groups_text(app) + make_subcommands(app, mode);
   }
 
   std::string make_expanded(const CLI::App* app) const override {
     return fmt::format("tessera {}\n{}{}\n", app->get_name(), make_description(app),
-                       groups_text(app, CLI::AppFormatMode::All));
+                       groups_text(app));
   }
 
   std::string make_description(const CLI::App* app) const override {
@@ -106,24 +166,26 @@ class HelpFormatter : public CLI::Formatter {
   }
 
  private:
-  static std::string groups_text(const CLI::App* app, CLI::AppFormatMode mode) {
-    const bool all = mode != CLI::AppFormatMode::Normal;
+  static std::string short_text(const CLI::App* app, const ShortHelp& brief) {
+    std::string text = "\nExamples:\n";
+    for (const char* example : brief.examples) text += fmt::format("  {}\n", example);
+    text += "\nOptions:\n";
+    for (const char* name : brief.options)
+      text += short_entry(option_reference(*app->get_option(name)));
+    const size_t others = app->get_options().size() - brief.options.size();
+    return text +
+           fmt::format("\n{} more options: tessera {} --help-all\n", others, app->get_name());
+  }
+
+  static std::string groups_text(const CLI::App* app) {
     std::string text;
-    size_t left_out = 0;
     for (const std::string& group : app->get_groups()) {
       std::string entries;
-      for (const CLI::Option* option : app->get_options()) {
-        if (group.empty() || option->get_group() != group || !option->nonpositional()) continue;
-        const OptionReference reference = option_reference(*option);
-        if (reference.row != nullptr && !reference.row->common && !all)
-          ++left_out;
-        else
-          entries += entry(reference);
-      }
+      for (const CLI::Option* option : app->get_options())
+        if (!group.empty() && option->get_group() == group && option->nonpositional())
+          entries += entry(option_reference(*option));
       if (!entries.empty()) text += fmt::format("\n{}:\n{}", group, entries);
     }
-    if (left_out > 0)
-      text += fmt::format("\n{} more options: tessera {} --help-all\n", left_out, app->get_name());
     return text;
   }
 };
@@ -132,6 +194,13 @@ class HelpFormatter : public CLI::Formatter {
 
 std::shared_ptr<CLI::Formatter> help_formatter() {
   return std::make_shared<HelpFormatter>();
+}
+
+std::string first_steps() {
+  return "  tessera synth room --layout videos -o capture    a small capture to begin with\n"
+         "  tessera doctor CAPTURE                           what a capture has and lacks\n"
+         "  tessera run CAPTURE -o OUT --preset fast         from videos to a page that plays\n"
+         "  tessera view OUT                                 shows it in a browser\n";
 }
 
 }  // namespace tessera

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "recon4d/options/nearest_name.h"
+#include "tools/cli/option_help.h"
 
 namespace tessera {
 namespace {
@@ -114,7 +115,8 @@ std::string without_command(const CLI::App& app) {
   const std::vector<std::string> rest = app.remaining();
   const std::vector<std::string> names = command_names(app);
   if (rest.empty())
-    return fmt::format("tessera: no command; choose one of {}", fmt::join(names, ", "));
+    return fmt::format("tessera: no command. To begin:\n{}All commands: tessera --help",
+                       first_steps());
   if (rest.front().starts_with('-'))
     return fmt::format("tessera: unknown option '{}'{}; see tessera --help", rest.front(),
                        did_you_mean(rest.front(), option_names(app)));

@@ -26,10 +26,9 @@ json row_json(const TrainOption& row) {
     apply_preset(options, preset.name);
     defaults[preset.name] = to_json(option_value(options, row));
   }
-  json object = {{"key", row.key},          {"type", type_of(row)},   {"unit", name_of(row.unit)},
-                 {"doc", row.doc},          {"group", row.group},     {"source", row.source},
-                 {"common", row.common},    {"example", row.example}, {"defaults", defaults},
-                 {"choices", row.choices()}};
+  json object = {{"key", row.key},         {"type", type_of(row)}, {"unit", name_of(row.unit)},
+                 {"doc", row.doc},         {"group", row.group},   {"source", row.source},
+                 {"example", row.example}, {"defaults", defaults}, {"choices", row.choices()}};
   if (!option_range(row).empty()) object["range"] = {row.low, row.high};
   if (const std::string rig = rig_default(row); !rig.empty()) object["default_on_rigs"] = rig;
   return object;
