@@ -1,9 +1,11 @@
-"""mkdocs hook: rewrites links that lead out of docs/ into code text, and has the search put pages
-for developers behind those for users.
+"""mkdocs hook: rewrites links that lead out of docs/ into code text, and keeps pages for developers
+out of the search.
 
 Pages link to sources (`../../recon4d/model/exposure.h`), which a repository viewer follows. The
 site does not hold the sources, so such a link becomes the path of the file in the repository.
 """
+import json
+import pathlib
 import posixpath
 import re
 
@@ -44,6 +46,11 @@ def rewrite(markdown, page_folder):
 
 
 def on_page_markdown(markdown, page, **_):
-    if page.file.src_path.startswith("development/"):
-        page.meta.setdefault("search", {"boost": 0.2})  # users' pages come first
     return rewrite(markdown, posixpath.dirname(page.file.src_path))
+
+
+def on_post_build(config, **_):
+    path = pathlib.Path(config["site_dir"]) / "search/search_index.json"
+    index = json.loads(path.read_text(encoding="utf-8"))
+    index["docs"] = [doc for doc in index["docs"] if not doc["location"].startswith("development/")]
+    path.write_text(json.dumps(index, ensure_ascii=False, separators=(",", ":")), encoding="utf-8")

@@ -1,5 +1,6 @@
 // The documentation site in Chromium: on wide and narrow windows no page and no table of it is wider
-// than the place it has, with all folded parts open. docs/site.js and docs/site.css see to that.
+// than the place it has, with all folded parts open, and the search finds what people type.
+// docs/site.js and docs/site.css see to the widths.
 import assert from 'node:assert/strict';
 import {execFileSync, spawnSync} from 'node:child_process';
 import {readdirSync} from 'node:fs';
@@ -74,3 +75,30 @@ for (const [width, height] of [[1280, 900], [390, 844]])
     assert.deepEqual(wrong, []);
     await page.close();
   });
+
+const kFirstHits = {
+  'blurry': 'howto/troubleshooting.html', 'soft': 'howto/troubleshooting.html',
+  'ghost': 'howto/troubleshooting.html', 'few cameras': 'howto/few-cameras.html',
+  '4 cameras': 'howto/few-cameras.html', 'share': 'howto/share.html',
+  'embed': 'howto/share.html', 'out of memory': 'howto/troubleshooting.html',
+  'iphone': 'howto/gopro-phones.html', 'psnr': 'explanation/scores.html',
+  'unity': 'howto/engines.html', 'bibliography': null,  // of developers' pages alone
+};
+
+// Bugs put back, each seen to fail: pages for developers in the index; no page about few cameras.
+test('search finds what people type', {skip}, async () => {
+  const {page} = await openPage(browser, {origin: server.origin, width: 1280, height: 900});
+  for (const [query, first] of Object.entries(kFirstHits)) {
+    await page.goto(`${server.origin}/index.html?q=${encodeURIComponent(query)}`);
+    const meta = '.md-search-result__meta';
+    await page.waitForFunction((m) => /result|matching/.test(document.querySelector(m)?.textContent),
+                               meta);
+    await page.waitForFunction(
+        (m) => !/Type|Initial/.test(document.querySelector(m).textContent), meta);
+    const hit = await page.evaluate(
+        () => document.querySelector('.md-search-result__link')?.getAttribute('href') ?? null);
+    if (first === null) assert.doesNotMatch(hit ?? '', /development\//, query);
+    else assert.ok(hit?.includes(first), `${query}: ${hit}`);
+  }
+  await page.close();
+});
