@@ -32,7 +32,8 @@ unmount_root() {
 # in_root FOLDER COMMAND   with nothing of this machine's environment
 in_root() {
   env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
-    NODE_EXTRA_CA_CERTS=/opt/certificates/ca-certificates.crt chroot "$1" bash -c "$2"
+    NODE_EXTRA_CA_CERTS=/opt/certificates/ca-certificates.crt \
+    CURL_CA_BUNDLE=/opt/certificates/ca-certificates.crt chroot "$1" bash -c "$2"
 }
 
 packages_in() { in_root "$1" "dpkg-query -W -f='x\n' | wc -l"; }

@@ -9,7 +9,7 @@ purpose=${1:-build}
 . /etc/os-release
 
 packages=(
-  g++ cmake ninja-build pkg-config git ca-certificates
+  g++ cmake ninja-build pkg-config git ca-certificates curl
   libglm-dev libpng-dev zlib1g-dev libdeflate-dev libzstd-dev libwebp-dev libfmt-dev nlohmann-json3-dev
   libcli11-dev libtbb-dev libyaml-cpp-dev libutf8proc-dev
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev libswresample-dev
@@ -37,7 +37,7 @@ if [ "$purpose" = check ]; then
   [ "$clang" != 14 ] || packages+=(clang-format-14 clang-tidy-14)
 fi
 if ! command -v node >/dev/null && [ ! -d "$(dirname "$0")/../tools/web/built" ]; then
-  packages+=(nodejs npm)  # the web player; a newer node than the distribution's stays
+  packages+=(nodejs)  # the web player; a newer node than the distribution's stays
 fi
 
 missing=()

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Writes the source archive of a release: the tracked files of HEAD and the built web pages, so that
-# building it needs neither npm nor a network. Twice from one commit it is the same to the bit, where
+# building it needs neither Node.js nor a network. Twice from one commit it is the same to the bit, where
 # the pages are.
 # Usage: source_release.sh [PAGES] [FOLDER]
 #   PAGES   the folder of the built pages (default: build/release/tools/web)

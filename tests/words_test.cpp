@@ -57,7 +57,7 @@ size_t check_words(const fs::path& path) {
   return lines;
 }
 
-/// The same for the files of a folder that fit; folders made by npm are left out.
+/// The same for the files of a folder that fit; folders of fetched packages are left out.
 size_t check_folder(const char* folder, bool (*fits)(const fs::path&)) {
   size_t lines = 0;
   for (auto entry = fs::recursive_directory_iterator(kSourceRoot / folder);

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A source archive has the web pages, does not build them by npm, knows its commit, and is the same
+# A source archive has the web pages, does not build them, knows its commit, and is the same
 # when it is written again.
 # Usage: source_release_test.sh FOLDER
 # Bugs put back, each seen to fail: a page left out, or built again; times of the archive's files
@@ -38,7 +38,7 @@ cmake -G Ninja -S "$name" -B build -DTESSERA_TESTS=OFF -DTESSERA_CUDA=OFF -DTESS
   >configure.log 2>&1 || fail "$(tail -n 20 configure.log)"
 grep -q "tessera_web.dir/web_page.cpp.o" build/build.ninja || fail "built without the pages"
 if grep -q "build_pages.sh" build/build.ninja; then
-  fail "the pages are built again, by npm"
+  fail "the pages are built again"
 fi
 commit=$(git -C "$source" rev-parse --short HEAD)
 grep -q "kCommitText = \"$commit\"" build/generated/tools/session/version.h ||

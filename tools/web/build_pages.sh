@@ -1,10 +1,10 @@
 #!/bin/sh
 # Builds PAGE.html in OUT, a folder of the build, one after another: packages of package-lock.json,
 # then the pages.
-# Usage: build_pages.sh NPM SOURCE OUT on|auto PAGE...   auto: without packages (no network) empty
+# Usage: build_pages.sh NODE SOURCE OUT on|auto PAGE...   auto: without packages (no network) empty
 # pages
 set -eu
-npm=$1 source=$2 out=$3 mode=$4
+node=$1 source=$2 out=$3 mode=$4
 shift 4
 work=$out/work
 
@@ -22,9 +22,8 @@ fail() {
 mkdir -p "$work"
 if ! cmp -s "$source/package-lock.json" "$work/fetched-lock.json"; then
   rm -f "$work/fetched-lock.json"
-  cp "$source/package.json" "$source/package-lock.json" "$work/"
-  (cd "$work" && "$npm" ci --ignore-scripts --no-audit --no-fund --loglevel=error >&2) ||
-    fail "npm ci cannot fetch the packages of tools/web/package-lock.json"
+  "$node" "$source/fetch_packages.mjs" "$source/package-lock.json" "$work" >&2 ||
+    fail "the packages of tools/web/package-lock.json cannot be fetched"
   cp "$source/package-lock.json" "$work/fetched-lock.json"
 fi
 rm -rf "$work/dist"
@@ -34,9 +33,9 @@ for page in "$@"; do
 done
 cp "$source/package.json" "$source/vite.config.ts" "$source/tsconfig.json" "$work/"
 # what is wrong with a page itself is never passed over
-(cd "$work" && "$npm" run --silent check >&2)
+(cd "$work" && "$node" node_modules/typescript/bin/tsc --noEmit >&2)
 for page in "$@"; do
   # a build for each: what two pages share would be a file of its own
-  (cd "$work" && PAGE=$page "$npm" run --silent build >&2)
+  (cd "$work" && PAGE=$page "$node" node_modules/vite/bin/vite.js build --logLevel warn >&2)
   cp "$work/dist/$page.html" "$out/$page.html"
 done

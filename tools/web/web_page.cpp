@@ -28,7 +28,7 @@ namespace {
 std::string_view page(const char* begin, const char* end) {
   if (!carries_pages())
     throw InputError(
-        "this build has no web pages: npm could not fetch their packages; build again with a "
+        "this build has no web pages: their packages could not be fetched; build again with a "
         "network");
   return {begin, size_t(end - begin)};
 }

@@ -1,4 +1,4 @@
-// Replaces the web pages in a build without npm: an error that names the remedy.
+// Replaces the web pages in a build without Node.js: an error that names the remedy.
 #include "kernels/base/errors.h"
 #include "tools/web/web_page.h"
 
@@ -9,7 +9,7 @@ bool carries_pages() {
 }
 
 std::string_view player_page() {
-  throw InputError("this build has no web pages: install nodejs and npm, and build again");
+  throw InputError("this build has no web pages: install nodejs and curl, and build again");
 }
 
 std::string_view report_page() {

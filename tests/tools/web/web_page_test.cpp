@@ -13,7 +13,7 @@ namespace {
 
 #if TESSERA_HAS_PLAYER
 
-/// Where npm had no network, AUTO builds without pages.
+/// Where there was no network, AUTO builds without pages.
 class WebPage : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -86,7 +86,7 @@ TEST(WebPage, GivesTheNameOfThePackage) {
     player_page();
     FAIL() << "there is a page in a build without one";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("install nodejs and npm"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("install nodejs and curl"), std::string::npos);
   }
 }
 
