@@ -153,7 +153,7 @@ const std::vector<Preset>& presets() {
        "model is pruned",
        kBalanced, kBalancedStill, true, true, kRig, kRigRates, kSingleView, kNodes},
       {"best",
-       "highest quality: 15,000 steps, 30,000 of one camera, 16,000 of photos and up to 800,000 "
+       "more of everything: 15,000 steps, 30,000 of one camera, 16,000 of photos and up to 800,000 "
        "Gaussians",
        kBest, kBestStill, true, true, kRig, kRigRates, kBestSingleView, kBestNodes},
       {"faster-gs",

@@ -160,6 +160,11 @@ json describe_run(const RunFolder& run, bool with_shipped) {
     for (const char* key : {"iteration", "finished", "seconds"}) info[key] = header.at(key);
   }
   info["config"] = run.read_config();
+  if (fs::exists(run.metrics())) {
+    const json metrics = read_json(run.metrics());
+    for (const char* key : {"split", "psnr", "ssim"})
+      info["scores"][key] = metrics.value(key, json());
+  }
   if (const std::string scene = scene_of_model(run.root); !scene.empty()) info["scene"] = scene;
   return info;
 }

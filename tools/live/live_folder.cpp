@@ -13,9 +13,9 @@
 
 namespace tessera {
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(LiveState, training, counter, step, total, seconds,
-                                                loss, steps_per_second, num_static, num_dynamic,
-                                                device_bytes, snapshot, snapshot_step,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(LiveState, training, counter, step, total,
+                                                seconds_left, loss, steps_per_second, num_static,
+                                                num_dynamic, device_bytes, snapshot, snapshot_step,
                                                 model_failure)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(LiveRequest, counter, seen, stop_training)
 

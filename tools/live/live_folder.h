@@ -18,7 +18,7 @@ struct LiveState {
   std::string training;  // a new random id for each call of the program
   int64_t counter = 0;   // grows with each writing: by it others see that the training runs
   int64_t step = 0, total = 0;
-  double seconds = 0, loss = 0, steps_per_second = 0;
+  double seconds_left = 0, loss = 0, steps_per_second = 0;
   int64_t num_static = 0, num_dynamic = 0, device_bytes = 0;
   int64_t snapshot = 0, snapshot_step = 0;  // number of the newest; 0: none yet
   std::string model_failure;                // why there is no snapshot; "": none failed

@@ -63,6 +63,7 @@ void LiveTraining::on_step(const SessionStep& step) {
   state_.total = step.total;
   state_.loss = step.report.loss;
   state_.steps_per_second = step.steps_per_second;
+  state_.seconds_left = step.seconds_left;
   state_.num_static = step.report.num_static;
   state_.num_dynamic = step.report.num_dynamic;
   state_.device_bytes = step.report.peak_bytes;
@@ -120,7 +121,6 @@ void LiveTraining::take(const TrainState& state) {
   copy_seconds_ = seconds_since(start);
   taken_ = Clock::now();
   copied_step_ = state.iteration;
-  state_.seconds = state.seconds;
   writer_->start(std::move(copy), writer_->written() + 1);
 }
 

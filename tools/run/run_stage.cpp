@@ -27,7 +27,9 @@ bool RunStages::done(const RunStage& stage, const json& inputs,
     say(stage.message(": done before, unchanged"));
     return true;
   }
-  say(stage.message(why_again(stage, inputs, is_there, product)));
+  if (const std::string why = why_again(stage, inputs, is_there, product);
+      stage.has_lines || !why.empty())
+    say(stage.message(why));
   const auto begin = std::chrono::steady_clock::now();
   ledger_.begin(stage.entry, inputs);
   const std::optional<json> result = make();

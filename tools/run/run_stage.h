@@ -16,6 +16,7 @@ struct RunStage {
   int number;
   const char *name, *entry;  // in messages; in stages.json
   bool owns_product = true;  // false: the product may be edited by hand, as a prepared scene
+  bool has_lines = false;    // says more than its end: its beginning is said, too
 
   /// `text` after "[2/6] train".
   std::string message(const std::string& text) const;

@@ -57,9 +57,9 @@ IngestOptions defaults_for(const IngestOptions& options) {
   return defaults;
 }
 
-constexpr RunStage kIngest{1, "ingest", "ingest", false}, kTrain{2, "train", "train"},
-    kEvaluate{3, "evaluate", "evaluate"}, kExport{4, "export", "export"},
-    kPage{5, "page", "player"}, kReport{6, "report", "report"};
+constexpr RunStage kIngest{1, "ingest", "ingest", false, true},
+    kTrain{2, "train", "train", true, true}, kEvaluate{3, "evaluate", "evaluate"},
+    kExport{4, "export", "export"}, kPage{5, "page", "player"}, kReport{6, "report", "report"};
 
 constexpr const char* kCaptureFiles = "contents of the capture";  // 0.3: "files of"
 constexpr const char* kAsked = "asked";  // the entry of the request, which is done with the run
@@ -249,7 +249,6 @@ class Runner {
 
   bool export_frames() {
     if (request_.export_frames == 0) {
-      say(kExport.message(": no PLY frames are requested (--export-frames N writes N of them)"));
       if (fs::exists(frames() / "manifest.json"))
         warn(
             fmt::format("{}: holds the frames of an earlier run, which may be of another model; "
@@ -266,7 +265,7 @@ class Runner {
   bool write_player() {
     if (!carries_pages()) {
       warn(kPage.message(
-          ": not written, because nodejs and npm were not found when this program was built"));
+          ": not written, because nodejs and curl were not found when this program was built"));
       return true;
     }
     const fs::path folder = player();

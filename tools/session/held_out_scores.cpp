@@ -83,6 +83,25 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
+/// What new views of a PSNR look like. Source: docs/explanation/scores.md.
+std::string worth(double psnr) {
+  if (psnr < 20) return "recognisable at best";
+  if (psnr < 25) return "soft";
+  if (psnr < 30) return "good";
+  return psnr < 35 ? "sharp" : "hard to tell from what was recorded";
+}
+
+void add_verdict(const json& score, Lines& lines) {
+  if (!score["psnr"].is_number()) return;
+  std::string verdict = worth(score["psnr"]);
+  if (score["psnr_dynamic"].is_number() && score["psnr_static"].is_number())
+    if (const std::string still = worth(score["psnr_static"]),
+        moving = worth(score["psnr_dynamic"]);
+        still != moving)
+      verdict = fmt::format("{} where it stands still, {} where it moves", still, moving);
+  lines.push_back(verdict);
+}
+
 void add_structure(const json& score, ScoreDetail detail, Lines& lines) {
   if (detail == ScoreDetail::kAll) {
     lines.push_back(
@@ -166,6 +185,7 @@ std::string scores_text(const json& scores, ScoreDetail detail) {
                         views_text(split), score["per_view"].size(), number_text(score["psnr"], 2),
                         number_text(score["ssim"], 4));
     Lines lines;
+    if (split != "train") add_verdict(score, lines);
     add_structure(score, detail, lines);
     add_novelty(score, lines);
     add_motion(score, lines);

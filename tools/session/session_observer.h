@@ -12,6 +12,7 @@ struct SessionStep {
   const StepReport& report;
   int64_t total = 0, first = 0;  // steps of the training; steps done before this session
   double steps_per_second = 0;   // over the steps since the last line of the log
+  double seconds_left = 0;       // by all of this session so far, decisions too
 };
 
 class SessionObserver {

@@ -1,11 +1,13 @@
 // Writes the lines of log.jsonl.
 #include "tools/session/training_log.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/json_file.h"
+#include "kernels/base/seconds_since.h"
 
 namespace tessera {
 
@@ -44,7 +46,10 @@ void TrainingLog::on_step(const StepReport& report) {
   sum_.ssim += report.ssim;
   sum_.seconds += report.seconds;
   ++steps_;
-  observer_.on_step({report, total_, first_, double(steps_) / sum_.seconds});
+  const double per_step =
+      seconds_since(begin_) / double(std::max<int64_t>(report.iteration - first_, 1));
+  observer_.on_step({report, total_, first_, double(steps_) / sum_.seconds,
+                     per_step * double(total_ - report.iteration)});
   if (report.iteration % kStepsPerLine != 0 && report.iteration != total_) return;
   const double n = double(steps_);
   event("steps", {{"iteration", report.iteration},

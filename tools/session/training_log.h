@@ -1,6 +1,7 @@
 // Writes a training to log.jsonl, one JSON object a line, and passes its steps on to the session's
 // observer.
 #pragma once
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -34,6 +35,7 @@ class TrainingLog final : public Observer {
   StepReport last_;
   StepReport sum_;  // loss, l1, ssim, seconds over the steps of a line
   int64_t steps_ = 0;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace tessera

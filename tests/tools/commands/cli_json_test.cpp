@@ -1,6 +1,7 @@
 // The option --json: one JSON object on stdout with the keys that other programs use.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/commands/cli_workspace.h"
@@ -69,6 +70,19 @@ TEST(CliJson, InfoDistinguishesEveryKind) {
   EXPECT_EQ(capture["sizes"][0]["width"], 32);
   EXPECT_EQ(cloud["kind"], "point cloud");
   EXPECT_GT(cloud["points"], 0);
+}
+
+// Bug put back: all facts in any case; seen to fail.
+TEST(CliJson, InfoOfARunFitsAGlance) {
+  const CliWorkspace work;
+  ASSERT_EQ(work.train("run").exit_code, 0);
+  ASSERT_EQ(work.run({"evaluate", work.at("run")}).exit_code, 0);
+  const std::string brief = work.run({"info", work.at("run")}).out;
+  EXPECT_LE(std::count(brief.begin(), brief.end(), '\n'), 15) << brief;
+  for (const char* part : {"Gaussians", "preset balanced, 20 steps", "views: PSNR", "capture"})
+    EXPECT_NE(brief.find(part), std::string::npos) << part << "\n" << brief;
+  const std::string all = work.run({"info", work.at("run"), "-v"}).out;
+  EXPECT_NE(all.find("asked_options"), std::string::npos) << all;
 }
 
 TEST(CliJson, IngestRenderAndExportReportTheirOutput) {

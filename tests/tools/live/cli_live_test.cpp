@@ -52,6 +52,7 @@ TEST(CliLive, AViewedTrainingIsShownAndStopsOnRequest) {
   })) << child.err_so_far();
   EXPECT_EQ(state.total, 1000000);
   EXPECT_GT(state.step, 0);
+  EXPECT_GT(state.seconds_left, 60) << "of a million steps";
   EXPECT_GT(state.snapshot_step, 0);
   EXPECT_LE(state.snapshot_step, state.step);
   EXPECT_GT(state.num_static + state.num_dynamic, 0);

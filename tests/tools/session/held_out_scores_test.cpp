@@ -46,6 +46,7 @@ json moving_scores() {
 TEST(HeldOutScores, AreDescribedInTheWordsOfTheField) {
   EXPECT_EQ(scores_text(moving_scores()),
             "test views (2): PSNR 27.59 dB, SSIM 0.9061\n"
+            "  sharp where it stands still, soft where it moves\n"
             "  novel views at known timesteps (1): PSNR 26.00 dB\n"
             "  moving pixels 21.5 dB, static pixels 30.1 dB\n"
             "  temporal error 3.23/255, flicker of static pixels 0.55/255\n"
@@ -65,6 +66,17 @@ TEST(HeldOutScores, AllDetailsOnRequest) {
   json scores = moving_scores();
   scores["splits"]["test"]["lpips"] = 0.125;
   EXPECT_NE(scores_text(scores).find("LPIPS 0.1250"), std::string::npos);
+}
+
+TEST(HeldOutScores, AVerdictOfAllWhereNothingDiffers) {
+  const auto verdict = [](double still, double moving, const char* split) {
+    json scores = moving_scores();
+    scores["splits"]["test"].update({{"psnr_static", still}, {"psnr_dynamic", moving}});
+    return scores_text({{"splits", {{split, scores["splits"]["test"]}}}});
+  };
+  EXPECT_NE(verdict(26, 29.9, "test").find("\n  good\n"), std::string::npos);
+  EXPECT_NE(verdict(36, 12, "val").find("recognisable at best where it moves"), std::string::npos);
+  EXPECT_EQ(verdict(26, 29.9, "train").find("good"), std::string::npos) << "no new views";
 }
 
 TEST(HeldOutScores, NumbersAreRoundedAndAbsentOnesNamed) {

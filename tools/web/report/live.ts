@@ -16,6 +16,7 @@ interface State {
   total: number;
   loss: number | null;
   steps_per_second: number;
+  seconds_left: number;
   num_static: number;
   num_dynamic: number;
   device_bytes: number;
@@ -151,7 +152,7 @@ class LivePage {
   }
 
   private tell({ state, alive, complete, page, stopped, resume }: Answer): void {
-    const left = state ? (state.total - state.step) / state.steps_per_second : NaN;
+    const left = state ? state.seconds_left : NaN;
     const status = alive
       ? `training · ${Number.isFinite(left) ? timeWords(left) : "–"} left`
       : complete ? "the training is complete"
