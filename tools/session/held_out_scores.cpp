@@ -84,7 +84,7 @@ namespace {
 using Lines = std::vector<std::string>;
 
 /// What new views of a PSNR look like. Source: docs/explanation/scores.md.
-std::string worth(double psnr) {
+std::string in_a_word(double psnr) {
   if (psnr < 20) return "recognisable at best";
   if (psnr < 25) return "soft";
   if (psnr < 30) return "good";
@@ -93,10 +93,10 @@ std::string worth(double psnr) {
 
 void add_verdict(const json& score, Lines& lines) {
   if (!score["psnr"].is_number()) return;
-  std::string verdict = worth(score["psnr"]);
+  std::string verdict = in_a_word(score["psnr"]);
   if (score["psnr_dynamic"].is_number() && score["psnr_static"].is_number())
-    if (const std::string still = worth(score["psnr_static"]),
-        moving = worth(score["psnr_dynamic"]);
+    if (const std::string still = in_a_word(score["psnr_static"]),
+        moving = in_a_word(score["psnr_dynamic"]);
         still != moving)
       verdict = fmt::format("{} where it stands still, {} where it moves", still, moving);
   lines.push_back(verdict);
