@@ -44,7 +44,7 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
 /// the number in the commit that brings it; a cut lowers it.
 inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13673}, {"ingest", 26807},
                                                          {"recon4d", 12770}, {"static3d", 8181},
-                                                         {"tools", 24903},   {"tests", 59167}};
+                                                         {"tools", 24903},   {"tests", 59169}};
 
 /// Where CUDA may be used; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",
