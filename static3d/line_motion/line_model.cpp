@@ -2,7 +2,8 @@
 #include "static3d/line_motion/line_model.h"
 
 #include <algorithm>
-#include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "static3d/line_motion/carried_lines.h"
 #include "static3d/line_motion/lines.h"
@@ -27,28 +28,16 @@ GaussianSet lines_within(const GaussianSet& lines, const FileWindow& window, con
       .lines;
 }
 
-/// Windows from `first` on to the one before `end`.
-struct LightPart {
-  size_t first, end;
-};
-
-/// Parts of the clip in which what stands still is in one light.
-std::vector<LightPart> light_parts(const std::vector<FileWindow>& windows) {
-  std::vector<LightPart> parts;
+/// The windows at which what stands still comes into another light; the first one, too.
+std::vector<size_t> light_begins(const std::vector<FileWindow>& windows) {
+  std::vector<size_t> begins;
   for (size_t i = 0; i < windows.size(); ++i) {
     LightGain change = windows[i].light;
-    for (size_t c = 0; c < change.size() && !parts.empty(); ++c)
-      change[c] /= windows[parts.back().first].light[c];
-    if (parts.empty() || !is_same(change)) parts.push_back({i, i + 1});
-    parts.back().end = i + 1;
+    for (size_t c = 0; c < change.size() && !begins.empty(); ++c)
+      change[c] /= windows[begins.back()].light[c];
+    if (begins.empty() || !is_same(change)) begins.push_back(i);
   }
-  return parts;
-}
-
-GaussianSet only(const GaussianModel& model, bool moving) {
-  GaussianModel part = model.clone_values();
-  (moving ? part.static_set : part.dynamic_set).resize(0);
-  return lines_of(part, drawn_degree(part), kLongLife);
+  return begins;
 }
 
 }  // namespace
@@ -61,18 +50,25 @@ GaussianModel line_model(const WindowModels& windows, const GaussianModel& still
     joined.static_set = GaussianSet(SetForm::kStatic, 1);
     joined.nodes = MotionNodes();
   }
+  const std::vector<size_t> lights = light_begins(windows.windows);
+  if (lights.size() > 1) joined.static_set = GaussianSet(SetForm::kStatic, 1);
+  std::vector<GaussianSet> lit;  // what stands still, in each light
   for (size_t i = 0; i < windows.windows.size(); ++i) {
     GaussianModel model = windows.load(int(i));
-    model.dynamic_set = plain_velocity_form(model);
-    cores.push_back(lines_within(only(model, true), windows.windows[i], windows.windows[i].drawn));
+    GaussianSet moving = plain_velocity_form(model);
+    model.dynamic_set.resize(0);
+    if (const size_t l = lit.size(); lights.size() > 1 && l < lights.size() && lights[l] == i) {
+      const size_t end = l + 1 < lights.size() ? lights[l + 1] : windows.windows.size();
+      lit.push_back(
+          lines_within(lines_of(model, drawn_degree(model), kLongLife), FileWindow{},
+                       {windows.windows[i].drawn.low, windows.windows[end - 1].drawn.high}));
+    }
+    model.static_set.resize(0);
+    model.dynamic_set = std::move(moving);
+    cores.push_back(lines_within(lines_of(model, drawn_degree(model), kLongLife),
+                                 windows.windows[i], windows.windows[i].drawn));
   }
-  if (const std::vector<LightPart> parts = light_parts(windows.windows); parts.size() > 1) {
-    joined.static_set = GaussianSet(SetForm::kStatic, 1);
-    for (const auto& [first, end] : parts)
-      cores.push_back(
-          lines_within(only(windows.load(int(first)), false), FileWindow{},
-                       {windows.windows[first].drawn.low, windows.windows[end - 1].drawn.high}));
-  }
+  std::move(lit.begin(), lit.end(), std::back_inserter(cores));
   joined.dynamic_set = joined_lines(cores);
   joined.drawing.time_filter = 0;
   joined.drawing.sh_time_degree = 0;

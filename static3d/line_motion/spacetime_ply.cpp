@@ -37,39 +37,36 @@ const std::vector<ForeignName>& spacetime_names() {
 /// Motion and turning of each Gaussian, beyond its line.
 class Motions {
  public:
-  Motions(const std::filesystem::path& path, const PlyElement& vertex) {
-    for (int i = 0; i < 3 * kMotionDegree; ++i)
-      motion_.push_back(&required(path, vertex, fmt::format("motion_{}", i)));
-    for (int i = 0; i < 4; ++i)
-      omega_.push_back(&required(path, vertex, fmt::format("omega_{}", i)));
-  }
+  Motions(const std::filesystem::path& path, const PlyElement& vertex)
+      : values_(read_floats(path, vertex, column_names())) {}
 
   /// Of Gaussian n of `lines`, at dt from its centre.
   CarriedPoint at(const GaussianSpans<const float>& lines, int64_t n, double dt) const {
     const float* const mean = lines.at(kMean, n);
     const float* const rotation = lines.at(kRotation, n);
+    const float* const motion = values_.data() + n * (kMotions + 4);
     CarriedPoint point{{mean[0], mean[1], mean[2]},
                        {rotation[0], rotation[1], rotation[2], rotation[3]}};
     for (int k = 0; k < 3; ++k)
       for (int degree = kMotionDegree; degree > 0; --degree)
-        point.mean[k] += (*motion_[size_t(3 * (degree - 1) + k)])[size_t(n)] * std::pow(dt, degree);
-    for (int k = 0; k < 4; ++k) point.rotation[k] += (*omega_[size_t(k)])[size_t(n)] * dt;
+        point.mean[k] += double(motion[3 * (degree - 1) + k]) * std::pow(dt, degree);
+    for (int k = 0; k < 4; ++k) point.rotation[k] += double(motion[kMotions + k]) * dt;
     const double length = glm::length(point.rotation);
     point.rotation = length > 0 ? point.rotation / length : Vec4<double>(1, 0, 0, 0);
     return point;
   }
 
  private:
-  static const std::vector<double>& required(const std::filesystem::path& path,
-                                             const PlyElement& vertex, const std::string& name) {
-    const PlyColumn* const column = vertex.find(name);
-    if (column == nullptr)
-      throw InputError(fmt::format("{}: no column '{}' of SpacetimeGaussians; export it again",
-                                   path.string(), name));
-    return column->values;
+  static constexpr int kMotions = 3 * kMotionDegree;
+
+  static std::vector<std::string> column_names() {
+    std::vector<std::string> names;
+    for (int i = 0; i < kMotions; ++i) names.push_back(fmt::format("motion_{}", i));
+    for (int i = 0; i < 4; ++i) names.push_back(fmt::format("omega_{}", i));
+    return names;
   }
 
-  std::vector<const std::vector<double>*> motion_, omega_;
+  const std::vector<float> values_;  // [N, kMotions + 4]
 };
 
 /// Through the part of the clip in which it is seen; none where that is none, and of what is no

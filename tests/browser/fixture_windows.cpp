@@ -3,30 +3,16 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "static3d/formats/splat_file.h"
 #include "static3d/tessera4d/windowed_file.h"
 #include "static3d/transform/slicer.h"
+#include "tests/static3d/tessera4d/window_model.h"
 #include "tests/support/scratch_folder.h"
 
 namespace tessera::testing {
 namespace {
 
 constexpr double kTimes[] = {0, 0.25, 0.5, 0.7, 1};  // WINDOW_TIMES of make_vectors.py
-
-/// The same motion in the window's time.
-GaussianModel in_time_of(const FileWindow& window, const GaussianModel& model) {
-  GaussianModel moved = model.clone_values();
-  const double length = window.time.high - window.time.low;
-  const GaussianSpans<float> set = moved.dynamic_set.values();
-  for (int64_t n = 0; n < set.count; ++n) {
-    *set.at(kMeanTime, n) = float(window_time(window, double(*set.at(kMeanTime, n))));
-    *set.at(kLogScaleTime, n) -= float(std::log(length));
-    for (int k = 0; k < 3; ++k) set.at(kVelocity, n)[k] *= float(length);
-  }
-  return moved;
-}
 
 }  // namespace
 

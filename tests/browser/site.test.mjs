@@ -85,7 +85,7 @@ const kFirstHits = {
   'unity': 'howto/engines.html', 'bibliography': null,  // of developers' pages alone
 };
 
-// Bugs put back, each seen to fail: pages for developers in the index; no page about few cameras.
+// Bugs put back, each seen to fail: pages for developers in the index; a heading without its words.
 test('search finds what people type', {skip}, async () => {
   const {page} = await openPage(browser, {origin: server.origin, width: 1280, height: 900});
   for (const [query, first] of Object.entries(kFirstHits)) {

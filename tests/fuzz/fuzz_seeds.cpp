@@ -103,11 +103,9 @@ void write_spacetime(const fs::path& file) {
                                 {0.5 + 0.1 * i, 0.25, -0.5}});
   };
   for (const char* name : {"x", "y", "z", "trbf_center", "trbf_scale", "opacity"}) add(name, 1);
-  add("motion", 9);
-  add("f_dc", 3);
-  add("scale", 3);
-  add("rot", 4);
-  add("omega", 4);
+  for (const auto& [name, count] :
+       {std::pair{"motion", 9}, {"f_dc", 3}, {"scale", 3}, {"rot", 4}, {"omega", 4}})
+    add(name, count);
   write_ply(file, {{}, {vertex}});
 }
 

@@ -15,6 +15,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/json_file.h"
+#include "tools/session/session_observer.h"
 
 namespace tessera {
 namespace {
@@ -166,8 +167,7 @@ std::string progress_text(const Progress& progress) {
   if (!has_total(progress)) return done > 0 ? fmt::format("{} done", done) : "";
   std::string text = fmt::format("{}/{} ({:.0f} %)", done, total, 100 * progress_share(progress));
   if (done > first)
-    text +=
-        fmt::format(" {} left", clock_time(seconds * double(total - done) / double(done - first)));
+    text += fmt::format(" {} left", clock_time(seconds_left(seconds, done - first, total - done)));
   return text;
 }
 

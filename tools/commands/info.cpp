@@ -8,6 +8,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/terminal.h"
 #include "tools/commands/describe.h"
+#include "tools/session/held_out_scores.h"
 
 namespace tessera {
 namespace {
@@ -68,15 +69,6 @@ std::string training_text(const nlohmann::json& config) {
                      value_text(config.value("tessera", nlohmann::json())));
 }
 
-std::string scores_text(const nlohmann::json& scores) {
-  if (!scores.at("psnr").is_number()) return "none";
-  std::string text = fmt::format("{} views: PSNR {:.2f} dB", value_text(scores.at("split")),
-                                 scores.at("psnr").get<double>());
-  if (scores.at("ssim").is_number())
-    text += fmt::format(", SSIM {:.3f}", scores.at("ssim").get<double>());
-  return text;
-}
-
 /// Of a model, what people ask for first; the others by their number.
 std::string model_text(const nlohmann::json& info) {
   std::string text;
@@ -94,7 +86,11 @@ std::string model_text(const nlohmann::json& info) {
     add("exported", size_text(info["shipped_bytes"].get<int64_t>()));
   if (info.contains("iteration")) add("iteration", value_text(info["iteration"]));
   if (info.contains("config")) add("training", training_text(info["config"]));
-  if (info.contains("scores")) add("scores", scores_text(info["scores"]));
+  if (info.contains("scores"))
+    add("scores",
+        fmt::format("{}: PSNR {} dB, SSIM {}", views_text(value_text(info["scores"]["split"])),
+                    number_text(info["scores"]["psnr"], 2),
+                    number_text(info["scores"]["ssim"], 4)));
   for (const char* key : {"scene", "file"})
     if (info.contains(key)) add(key, value_text(info[key]));
   return text +

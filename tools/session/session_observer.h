@@ -15,6 +15,11 @@ struct SessionStep {
   double seconds_left = 0;       // by all of this session so far, decisions too
 };
 
+/// What `rest` steps will take, where `done` have taken `seconds`.
+inline double seconds_left(double seconds, int64_t done, int64_t rest) {
+  return seconds * double(rest) / double(done);
+}
+
 class SessionObserver {
  public:
   virtual ~SessionObserver() = default;

@@ -46,10 +46,9 @@ void TrainingLog::on_step(const StepReport& report) {
   sum_.ssim += report.ssim;
   sum_.seconds += report.seconds;
   ++steps_;
-  const double per_step =
-      seconds_since(begin_) / double(std::max<int64_t>(report.iteration - first_, 1));
+  const int64_t done = std::max<int64_t>(report.iteration - first_, 1);
   observer_.on_step({report, total_, first_, double(steps_) / sum_.seconds,
-                     per_step * double(total_ - report.iteration)});
+                     seconds_left(seconds_since(begin_), done, total_ - report.iteration)});
   if (report.iteration % kStepsPerLine != 0 && report.iteration != total_) return;
   const double n = double(steps_);
   event("steps", {{"iteration", report.iteration},

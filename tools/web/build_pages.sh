@@ -20,12 +20,8 @@ fail() {
 }
 
 mkdir -p "$work"
-if ! cmp -s "$source/package-lock.json" "$work/fetched-lock.json"; then
-  rm -f "$work/fetched-lock.json"
-  "$node" "$source/fetch_packages.mjs" "$source/package-lock.json" "$work" >&2 ||
-    fail "the packages of tools/web/package-lock.json cannot be fetched"
-  cp "$source/package-lock.json" "$work/fetched-lock.json"
-fi
+"$node" "$source/fetch_packages.mjs" "$source/package-lock.json" "$work" >&2 ||
+  fail "the packages of tools/web/package-lock.json cannot be fetched"
 rm -rf "$work/dist"
 for page in "$@"; do
   rm -rf "${work:?}/$page"

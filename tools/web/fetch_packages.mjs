@@ -1,13 +1,17 @@
 // Fetches the packages of a package-lock.json for this machine, as `npm ci --ignore-scripts` does, by
-// curl and tar: npm itself is 341 packages on a bare Debian.
+// curl and tar, unless they are there already: npm itself is 341 packages on a bare Debian.
 // Usage: node fetch_packages.mjs LOCK_FILE FOLDER   writes FOLDER/node_modules
 import {execFileSync} from 'node:child_process';
 import {createHash} from 'node:crypto';
-import {mkdirSync, readFileSync, rmSync} from 'node:fs';
+import {copyFileSync, existsSync, mkdirSync, readFileSync, rmSync} from 'node:fs';
 import {basename, join} from 'node:path';
 
 const [lock, folder] = process.argv.slice(2);
 const registry = (process.env.npm_config_registry ?? 'https://registry.npmjs.org').replace(/\/$/, '');
+
+const fetched = join(folder, 'fetched-lock.json');
+if (existsSync(fetched) && readFileSync(fetched).equals(readFileSync(lock))) process.exit(0);
+rmSync(fetched, {force: true});
 
 /** Whether a list of os or cpu of a package has that of this machine; "!x": all but x. */
 function fits(list, mine) {
@@ -46,9 +50,10 @@ try {
     execFileSync('tar', ['-xzf', file, '-C', join(folder, place), '--strip-components=1',
                          '--no-same-owner']);
   }
+  copyFileSync(lock, fetched);
 } catch (error) {
   console.error(error.message.split('\n')[0]);
-  process.exit(1);
+  process.exitCode = 1;
 } finally {
   rmSync(archives, {recursive: true, force: true});
 }

@@ -77,11 +77,10 @@ GaussianModel by_the_paper(const std::vector<Row>& rows, double time) {
     const double reach = dt / std::exp(rows[i].at("trbf_scale"));
     const double opacity = std::exp(-reach * reach) / (1 + std::exp(-rows[i].at("opacity")));
     *to.at(kOpacityLogit, n) = float(std::log(opacity / (1 - opacity)));
-    const char* const axes[] = {"x", "y", "z"};
     for (int k = 0; k < 3; ++k) {
       to.at(kMean, n)[k] =
-          float(rows[i].at(axes[k]) + column("motion", k) * dt + column("motion", 3 + k) * dt * dt +
-                column("motion", 6 + k) * dt * dt * dt);
+          float(rows[i].at(std::string(1, "xyz"[k])) + column("motion", k) * dt +
+                column("motion", 3 + k) * dt * dt + column("motion", 6 + k) * dt * dt * dt);
       to.at(kLogScale, n)[k] = float(column("scale", k));
       to.at(kSh, n)[k] = float((column("f_dc", k) - 0.5) / kSh0);
     }
@@ -107,7 +106,7 @@ class SpacetimePly : public ::testing::Test {
   LineFile read;
 };
 
-// Bugs put back, each seen to fail: σ_t of e^s; velocities alone; colours as coefficients.
+// Bugs put back, each seen to fail: σ_t of e^s; colours as coefficients.
 TEST_F(SpacetimePly, OnLinesIsAsInThePaper) {
   std::vector<Row> rows = some_rows(30, 1);
   for (Row& row : rows) {
