@@ -27,7 +27,13 @@ function build() {
   for (const name of ['player', 'loader', 'tsconfig.json', 'package.json'])
     cpSync(join(source, name), join(player, name), {recursive: true});
   symlinkSync(join(process.env.TESSERA_PLAYER_WORK, 'node_modules'), join(player, 'node_modules'));
-  execFileSync('npm', ['run', '--silent', 'build'], {cwd: loader, stdio: 'inherit'});
+  // the package's own `build`, by Node.js: packages come without the links that npm makes
+  for (const command of JSON.parse(readFileSync(join(loader, 'package.json'))).scripts.build.split(' && ')) {
+    const [name, ...options] = command.split(' ');
+    const program = {vite: 'vite/bin/vite.js', tsc: 'typescript/bin/tsc'}[name];
+    execFileSync(process.execPath, [join(player, 'node_modules', program), ...options],
+                 {cwd: loader, stdio: 'inherit'});
+  }
 }
 
 before(async () => {
