@@ -127,6 +127,12 @@ class Buffer {
     mover.copy(data_, from.data_, sizeof(T) * static_cast<size_t>(size_));
   }
 
+  Buffer clone_to(Memory& memory) const {
+    Buffer copy(memory);
+    copy.copy_from(*this);
+    return copy;
+  }
+
   Memory& memory() const { return *memory_; }
   int64_t size() const { return size_; }
   int64_t capacity() const { return capacity_; }

@@ -19,7 +19,6 @@ namespace tessera {
 namespace {
 
 using nlohmann::json;
-constexpr int64_t kScalar = 4;  // bytes, of float32 and int32
 
 /// Of the arrays that not every state has.
 struct CheckpointParts {
@@ -57,17 +56,7 @@ SetForm dynamic_form(const json& header) {
                                                                            : SetForm::kPair;
 }
 
-/// Of a canonical set: [nodes, control points], absent where there are none.
-struct NodeCounts {
-  int64_t nodes = 0, knots = 0, started = 0, refitted = 0;
-
-  SetForm static_form() const { return nodes > 0 ? SetForm::kCanonical : SetForm::kStatic; }
-  /// Of all that is optimised.
-  int64_t values() const { return nodes * (1 + 7 * knots); }
-  /// Positions, and values and two moments each.
-  int64_t scalars() const { return 3 * nodes + 3 * values(); }
-};
-
+/// Of a canonical set; absent where there are none.
 NodeCounts node_counts(const json& header) {
   const auto found = header.find("motion_nodes");
   if (found == header.end()) return {};
@@ -76,16 +65,13 @@ NodeCounts node_counts(const json& header) {
 
 void restore_sets(const json& header, GaussianModel& model) {
   const int coefficients = header.at("sh_coefficients");
-  const NodeCounts nodes = node_counts(header);
-  model.nodes.count = nodes.nodes;
-  model.nodes.knots = int(nodes.knots);
-  model.nodes.started = nodes.started;
-  model.nodes.refitted = nodes.refitted;
-  model.static_set = GaussianSet(nodes.static_form(), coefficients);
-  model.static_set.resize(header.at("num_static"), blocks_in(header, "static"));
+  static_cast<NodeCounts&>(model.nodes) = node_counts(header);
+  const SetForm form = model.nodes.empty() ? SetForm::kStatic : SetForm::kCanonical;
+  model.static_set = GaussianSet(form, coefficients);
+  model.static_set.declare(header.at("num_static"), blocks_in(header, "static"));
   model.dynamic_set =
       GaussianSet(dynamic_form(header), coefficients, host_memory(), header.at("sh_time_levels"));
-  model.dynamic_set.resize(header.at("num_dynamic"), blocks_in(header, "dynamic"));
+  model.dynamic_set.declare(header.at("num_dynamic"), blocks_in(header, "dynamic"));
   model.environment.height = header.at("environment_height");
 }
 
@@ -137,58 +123,30 @@ bool blocks_fit(const ShBlocks& blocks, int64_t count, int coefficients) {
   return left == 0 || left == count;
 }
 
-/// Numbers of the header against each other and the size of the file, before any memory is taken.
+/// Numbers of the header against each other.
 void check_header(const CheckpointReader& file, const json& header) {
   const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
   const json& sampler = header.at("sampler");
   const CheckpointParts parts = parts_of(header);
   const int64_t environment = header.at("environment_height");
   const int coefficients = header.at("sh_coefficients"), levels = header.at("sh_time_levels");
-  const auto colours = [&](SetForm form, int64_t count, const ShBlocks& blocks) {
-    const int sets = is_dynamic(form) ? 1 + levels : 1;
-    return 3 * sets * (blocks.mixed() ? blocks.coefficients() : count * coefficients);
-  };
-  // values and two moments each, of SH in one word; statistics, filter size where kept
-  const auto scalars = [&](SetForm form, int64_t count, const ShBlocks& blocks) {
-    return count * (int64_t{trained_geometry_scalars(form)} + 2 + parts.filter_sizes) +
-           2 * colours(form, count, blocks);
-  };
-  const auto means = [&](SetForm form, int64_t count, const ShBlocks& blocks) {
-    return count * geometry_scalars(form) + colours(form, count, blocks);
-  };
   const NodeCounts nodes = node_counts(header);
-  const ShBlocks of_static = blocks_in(header, "static"), of_dynamic = blocks_in(header, "dynamic");
-  const auto averaged = [&]() -> int64_t {
-    if (parts.averaged == 0) return 0;
-    const bool frozen = header.value("static_is_frozen", false);
-    return (frozen ? 0 : means(nodes.static_form(), statics, of_static)) +
-           means(dynamic_form(header), dynamics, of_dynamic) + nodes.values();
-  };
   constexpr int64_t kMost = int64_t{1} << 40;
   const auto within = [](int64_t value, int64_t low, int64_t high) {
     return value >= low && value <= high;
   };
   if (!within(statics, 0, kMost) || !within(dynamics, 0, kMost) ||
-      !within(nodes.nodes, 0, kMaxNodes) || !within(nodes.started, 0, kMost) ||
+      !within(nodes.count, 0, kMaxNodes) || !within(nodes.started, 0, kMost) ||
       !within(nodes.refitted, 0, kMost) ||
-      !within(nodes.knots, nodes.nodes > 0 ? kSplineOrder : 0, kMaxKnots) ||
+      !within(nodes.knots, nodes.count > 0 ? kSplineOrder : 0, kMaxKnots) ||
       !within(parts.exposures, 0, kMost) || !within(parts.clocks, 0, kMost) ||
       !within(parts.averaged, 0, kMost) || !within(environment, 0, int64_t{1} << 16) ||
       !within(coefficients, 1, kMaxShCoefficients) ||
-      !blocks_fit(of_static, statics, coefficients) ||
-      !blocks_fit(of_dynamic, dynamics, coefficients) || !within(levels, 0, kMaxTimeLevels) ||
-      !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
-      !within(sampler.at("position"), 0, kMost))
+      !blocks_fit(blocks_in(header, "static"), statics, coefficients) ||
+      !blocks_fit(blocks_in(header, "dynamic"), dynamics, coefficients) ||
+      !within(levels, 0, kMaxTimeLevels) || !within(header.at("iteration"), 0, kMost) ||
+      !within(sampler.at("epoch"), 0, kMost) || !within(sampler.at("position"), 0, kMost))
     refuse_checkpoint(file.path(), "damaged checkpoint: impossible numbers in its header");
-  const auto promised = uint64_t(
-      kScalar * (scalars(nodes.static_form(), statics, of_static) +
-                 scalars(dynamic_form(header), dynamics, of_dynamic) + nodes.scalars() +
-                 averaged() + (3 * parts.exposure_width + 1) * parts.exposures +
-                 (3 * kClockWidth + 1) * parts.clocks + 3 * environment_scalars(environment)));
-  if (file.array_bytes() != promised)
-    refuse_checkpoint(file.path(),
-                      fmt::format("truncated checkpoint: {} bytes, its header promises {}",
-                                  file.bytes(), file.bytes() - file.array_bytes() + promised));
 }
 
 json checkpoint_header(const TrainState& state, const TrainOptions& options,
@@ -239,29 +197,6 @@ json parse_checkpoint_header(const CheckpointReader& file) {
   return header;
 }
 
-/// A checkpoint without its arrays: its sets have their sizes, their values are not there yet. Its
-/// numbers are held against each other and the size of the file before any memory is taken.
-/// Errors: as refuse_checkpoint.
-Checkpoint restored_without_arrays(const CheckpointReader& file, const json& header) {
-  Checkpoint checkpoint;
-  try {
-    check_header(file, header);
-    checkpoint.options = restore_options(file.path(), header);
-    checkpoint.provenance = header.at("provenance").dump();
-    checkpoint.validation = validation_record_from_json(header.at("validation"));
-    restore_progress(header, checkpoint.state);
-    restore_model(header, checkpoint.state.model);
-    if (const std::string wrong = wrong_rule(checkpoint.state.model.drawing); !wrong.empty())
-      refuse_checkpoint(file.path(), fmt::format("damaged checkpoint: {}", wrong));
-    restore_sets(header, checkpoint.state.model);
-    if (checkpoint.state.average.states > 0)
-      checkpoint.state.average.means.resize(averaged_groups(checkpoint.state).size());
-  } catch (const json::exception& error) {
-    refuse_checkpoint(file.path(), fmt::format("damaged checkpoint: {}", error.what()));
-  }
-  return checkpoint;
-}
-
 /// Calls visit(buffer, scalars) for every array of a state, in file order.
 template <class State, class Visit>
 void for_each_array(State& state, const CheckpointParts& parts, Visit&& visit) {
@@ -293,16 +228,54 @@ void for_each_array(State& state, const CheckpointParts& parts, Visit&& visit) {
   visit_rows(state.clocks, parts.clocks, kClockWidth);
   auto& nodes = state.model.nodes;
   visit(nodes.position, 3 * nodes.count);
-  const int64_t scalars[] = {nodes.count, 3 * nodes.count * nodes.knots,
-                             4 * nodes.count * nodes.knots};
-  for (size_t g = 0; g < std::size(scalars); ++g) {
+  for (size_t g = 0; g < nodes.groups().size(); ++g) {
     auto& group = *nodes.groups()[g];
     for (auto* const buffer : {&group.value, &group.moment1, &group.moment2})
-      visit(*buffer, scalars[g]);
+      visit(*buffer, nodes.scalars()[g]);
   }
-  const auto averaged = averaged_groups(state);
-  for (size_t g = 0; g < state.average.means.size(); ++g)
-    visit(state.average.means[g], averaged[g]->value.size());
+  size_t mean = 0;
+  const auto visit_mean = [&](int64_t scalars) {
+    if (mean < state.average.means.size()) visit(state.average.means[mean++], scalars);
+  };
+  for (int k = state.trains(0) ? 0 : 1; k < 2; ++k)
+    for (int g = 0; g < state.set(k).groups(); ++g) visit_mean(state.set(k).scalars(Group(g)));
+  for (const int64_t scalars : nodes.scalars()) visit_mean(scalars);
+}
+
+/// Whether the file has the bytes that a state has which its header describes.
+void check_size(const CheckpointReader& file, const TrainState& state,
+                const CheckpointParts& parts) {
+  uint64_t promised = 0;
+  for_each_array(state, parts, [&](const auto& buffer, int64_t scalars) {
+    promised += sizeof(buffer[0]) * uint64_t(scalars);
+  });
+  if (file.array_bytes() != promised)
+    refuse_checkpoint(file.path(),
+                      fmt::format("truncated checkpoint: {} bytes, its header promises {}",
+                                  file.bytes(), file.bytes() - file.array_bytes() + promised));
+}
+
+/// A checkpoint without its arrays. Its numbers are held against each other and the size of the
+/// file before any memory is taken. Errors: as refuse_checkpoint.
+Checkpoint restored_without_arrays(const CheckpointReader& file, const json& header) {
+  Checkpoint checkpoint;
+  try {
+    check_header(file, header);
+    checkpoint.options = restore_options(file.path(), header);
+    checkpoint.provenance = header.at("provenance").dump();
+    checkpoint.validation = validation_record_from_json(header.at("validation"));
+    restore_progress(header, checkpoint.state);
+    restore_model(header, checkpoint.state.model);
+    if (const std::string wrong = wrong_rule(checkpoint.state.model.drawing); !wrong.empty())
+      refuse_checkpoint(file.path(), fmt::format("damaged checkpoint: {}", wrong));
+    restore_sets(header, checkpoint.state.model);
+    if (checkpoint.state.average.states > 0)
+      checkpoint.state.average.means.resize(averaged_groups(checkpoint.state).size());
+    check_size(file, checkpoint.state, parts_of(header));
+  } catch (const json::exception& error) {
+    refuse_checkpoint(file.path(), fmt::format("damaged checkpoint: {}", error.what()));
+  }
+  return checkpoint;
 }
 
 }  // namespace

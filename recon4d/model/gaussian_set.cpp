@@ -18,31 +18,24 @@ NodeSpans<T> spans_of(Self& nodes) {
           nodes.rotation.value.span()};
 }
 
-GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set, GaussianSet dynamic_set,
-                        MotionNodes nodes, EnvironmentLight environment) {
-  GaussianModel model;
-  model.nodes = std::move(nodes);
-  model.environment = std::move(environment);
-  model.static_set = std::move(static_set);
-  model.dynamic_set = std::move(dynamic_set);
-  model.drawing = like.drawing;
-  model.time_axis = like.time_axis;
-  model.prepared_from_source = like.prepared_from_source;
-  model.background = like.background;
-  model.train_scale = like.train_scale;
-  return model;
-}
-
 }  // namespace
+
+ParameterGroup ParameterGroup::clone_to(Memory& memory, bool moments) const {
+  ParameterGroup copy(memory);
+  copy.value.copy_from(value);
+  if (!moments) return copy;
+  copy.moment1.copy_from(moment1);
+  copy.moment2.copy_from(moment2);
+  return copy;
+}
 
 void MotionNodes::resize(int64_t nodes, int control_points) {
   count = nodes;
   knots = control_points;
   position.resize(3 * nodes);
-  const int64_t scalars[] = {nodes, 3 * nodes * control_points, 4 * nodes * control_points};
   for (size_t g = 0; g < groups().size(); ++g) {
     ParameterGroup& group = *groups()[g];
-    group.value.resize(scalars[g]);
+    group.value.resize(scalars()[g]);
     group.moment1.resize(0);
     group.moment2.resize(0);
   }
@@ -68,19 +61,10 @@ NodeSpans<const float> MotionNodes::spans() const {
 
 MotionNodes MotionNodes::clone_to(Memory& memory, bool moments) const {
   MotionNodes copy(memory);
-  copy.count = count;
-  copy.knots = knots;
-  copy.started = started;
-  copy.refitted = refitted;
+  static_cast<NodeCounts&>(copy) = *this;
   copy.position.copy_from(position);
-  for (size_t g = 0; g < groups().size(); ++g) {
-    ParameterGroup& to = *copy.groups()[g];
-    const ParameterGroup& from = *groups()[g];
-    to.value.copy_from(from.value);
-    if (!moments) continue;
-    to.moment1.copy_from(from.moment1);
-    to.moment2.copy_from(from.moment2);
-  }
+  for (size_t g = 0; g < groups().size(); ++g)
+    *copy.groups()[g] = groups()[g]->clone_to(memory, moments);
   return copy;
 }
 
@@ -102,7 +86,7 @@ int64_t GaussianSet::scalars(Group group, int64_t count, const ShBlocks& blocks)
   return blocks.coefficients() * group_width(group, 1, form_, time_levels_);
 }
 
-void GaussianSet::set_layout(int64_t count, const ShBlocks& blocks) {
+void GaussianSet::declare(int64_t count, const ShBlocks& blocks) {
   check(!blocks.mixed() || blocks.count() == count, "GaussianSet: elements of the blocks");
   const int degree = sh_degree_of(coefficients_);
   for (int above = degree + 1; above <= kMaxShDegree; ++above)
@@ -112,7 +96,7 @@ void GaussianSet::set_layout(int64_t count, const ShBlocks& blocks) {
 }
 
 void GaussianSet::resize(int64_t count, const ShBlocks& blocks) {
-  set_layout(count, blocks);
+  declare(count, blocks);
   for (int g = 0; g < groups(); ++g) {
     ParameterGroup& group = groups_[size_t(g)];
     group.value.resize(scalars(Group(g)));
@@ -125,7 +109,7 @@ void GaussianSet::set_count(int64_t count, const ShBlocks& blocks) {
   for (int g = 0; g < groups(); ++g)
     check(groups_[size_t(g)].value.size() == scalars(Group(g), count, blocks),
           "GaussianSet: elements of a group");
-  set_layout(count, blocks);
+  declare(count, blocks);
 }
 
 void GaussianSet::ensure_moments() {
@@ -141,21 +125,12 @@ void GaussianSet::ensure_moments() {
   }
 }
 
-GaussianSet GaussianSet::clone_to(Memory& memory) const {
-  GaussianSet copy = clone_values(memory);
-  for (int g = 0; g < groups(); ++g) {
-    copy.groups_[size_t(g)].moment1.copy_from(groups_[size_t(g)].moment1);
-    copy.groups_[size_t(g)].moment2.copy_from(groups_[size_t(g)].moment2);
-  }
-  return copy;
-}
-
-GaussianSet GaussianSet::clone_values(Memory& memory) const {
+GaussianSet GaussianSet::clone_to(Memory& memory, bool moments) const {
   GaussianSet copy = like(memory);
   copy.count_ = count_;
   copy.blocks_ = blocks_;
   for (int g = 0; g < groups(); ++g)
-    copy.groups_[size_t(g)].value.copy_from(groups_[size_t(g)].value);
+    copy.groups_[size_t(g)] = groups_[size_t(g)].clone_to(memory, moments);
   return copy;
 }
 
@@ -166,24 +141,21 @@ int64_t GaussianSet::value_bytes() const {
 }
 
 EnvironmentLight EnvironmentLight::clone_to(Memory& memory, bool moments) const {
-  EnvironmentLight copy(memory);
+  EnvironmentLight copy;
   copy.height = height;
   copy.map_from_world = map_from_world;
-  copy.map.value.copy_from(map.value);
-  if (!moments) return copy;
-  copy.map.moment1.copy_from(map.moment1);
-  copy.map.moment2.copy_from(map.moment2);
+  copy.map = map.clone_to(memory, moments);
   return copy;
 }
 
-GaussianModel GaussianModel::clone_to(Memory& memory) const {
-  return with_sets(*this, static_set.clone_to(memory), dynamic_set.clone_to(memory),
-                   nodes.clone_to(memory, true), environment.clone_to(memory, true));
-}
-
-GaussianModel GaussianModel::clone_values(Memory& memory) const {
-  return with_sets(*this, static_set.clone_values(memory), dynamic_set.clone_values(memory),
-                   nodes.clone_to(memory, false), environment.clone_to(memory, false));
+GaussianModel GaussianModel::clone_to(Memory& memory, bool moments) const {
+  GaussianModel copy;
+  static_cast<ModelSettings&>(copy) = *this;
+  copy.static_set = static_set.clone_to(memory, moments);
+  copy.dynamic_set = dynamic_set.clone_to(memory, moments);
+  copy.nodes = nodes.clone_to(memory, moments);
+  copy.environment = environment.clone_to(memory, moments);
+  return copy;
 }
 
 void SetStatistics::reset(int64_t gaussians) {

@@ -26,22 +26,28 @@ struct ParameterGroup {
   /// [N, width] Adam's m and v; empty in a model that only renders. Of groups that pack them both
   /// are in the words of moment1, and moment2 is empty.
   Buffer<float> moment1, moment2;
+
+  /// Deep copy in a memory, with the moments that there are or without.
+  ParameterGroup clone_to(Memory& memory, bool moments) const;
 };
 
 inline constexpr int64_t kMaxNodes = 1024;
 inline constexpr int kMaxKnots = 256;
 
-/// Nodes that carry a canonical set through the clip (kernels/motion_nodes.h, method D.9): shared
-/// positions, radii and control points, stored beside the sets.
-struct MotionNodes {
-  explicit MotionNodes(Memory& memory = host_memory())
-      : position(memory), log_radius(memory), translation(memory), rotation(memory) {}
-
+struct NodeCounts {
   int64_t count = 0;  // M, at most kMaxNodes; 0: there are none
   int knots = 0;      // S, at least kSplineOrder where there are nodes
   /// Steps done when they were made, and when they were last given more control points: from then
   /// on count the steps of Adam of logits and of nodes.
   int64_t started = 0, refitted = 0;
+};
+
+/// Nodes that carry a canonical set through the clip (kernels/motion_nodes.h, method D.9): shared
+/// positions, radii and control points, stored beside the sets.
+struct MotionNodes : NodeCounts {
+  explicit MotionNodes(Memory& memory = host_memory())
+      : position(memory), log_radius(memory), translation(memory), rotation(memory) {}
+
   Buffer<float> position;                            // [M, 3] world units, fixed
   ParameterGroup log_radius, translation, rotation;  // [M], [M, S, 3], [M, S, 4]
 
@@ -50,11 +56,12 @@ struct MotionNodes {
   void resize(int64_t nodes, int control_points);
   /// Zero moments where there are none, on the host.
   void ensure_moments();
-  /// The groups that are optimised.
+  /// The groups that are optimised, and their sizes.
   std::array<ParameterGroup*, 3> groups() { return {&log_radius, &translation, &rotation}; }
   std::array<const ParameterGroup*, 3> groups() const {
     return {&log_radius, &translation, &rotation};
   }
+  std::array<int64_t, 3> scalars() const { return {count, 3 * count * knots, 4 * count * knots}; }
   NodeSpans<float> spans();
   NodeSpans<const float> spans() const;
   /// Deep copy in a memory, with the moments that there are or without.
@@ -86,6 +93,8 @@ class GaussianSet {
 
   /// Sets N; values are undefined until written. Moments are dropped.
   void resize(int64_t count, const ShBlocks& blocks = {});
+  /// Declares N before the arrays are there, whoever reads them gives each its size.
+  void declare(int64_t count, const ShBlocks& blocks);
   /// Declares N after the groups were replaced element by element (density.cpp). Errors:
   /// std::logic_error when a group does not have N elements.
   void set_count(int64_t count, const ShBlocks& blocks = {});
@@ -104,10 +113,9 @@ class GaussianSet {
   GaussianSet like(Memory& memory = host_memory()) const {
     return {form_, coefficients_, memory, time_levels_};
   }
-  /// Deep copy in a memory, with the moments that there are.
-  GaussianSet clone_to(Memory& memory) const;
-  /// Deep copy of the values alone.
-  GaussianSet clone_values(Memory& memory = host_memory()) const;
+  /// Deep copy in a memory, with the moments that there are or of the values alone.
+  GaussianSet clone_to(Memory& memory, bool moments = true) const;
+  GaussianSet clone_values(Memory& memory = host_memory()) const { return clone_to(memory, false); }
   /// Bytes of the values: 4 · scalars of all groups.
   int64_t value_bytes() const;
 
@@ -125,8 +133,6 @@ class GaussianSet {
   }
 
   int64_t scalars(Group group, int64_t count, const ShBlocks& blocks) const;
-  void set_layout(int64_t count, const ShBlocks& blocks);
-
   SetForm form_;
   int coefficients_, time_levels_;
   Memory* memory_;
@@ -152,17 +158,21 @@ struct EnvironmentLight {
   EnvironmentLight clone_to(Memory& memory, bool moments) const;
 };
 
-/// What a training produces and every other command reads.
-struct GaussianModel {
-  GaussianSet static_set{SetForm::kStatic, kMaxShCoefficients};
-  GaussianSet dynamic_set{SetForm::kPair, kMaxShCoefficients};
-  MotionNodes nodes;                           // of a canonical static set; else none
-  EnvironmentLight environment;                // behind both
+/// Under which the Gaussians of a model were trained.
+struct ModelSettings {
   DrawingRules drawing;                        // as it was trained
   TimeAxis time_axis;                          // normalised time → the capture's own
   Similarity prepared_from_source;             // the model's world by the source's
   std::array<uint8_t, 3> background{0, 0, 0};  // sRGB, what it was trained on
   double train_scale = 1;  // size of the images it was trained on, by the scene's
+};
+
+/// What a training produces and every other command reads.
+struct GaussianModel : ModelSettings {
+  GaussianSet static_set{SetForm::kStatic, kMaxShCoefficients};
+  GaussianSet dynamic_set{SetForm::kPair, kMaxShCoefficients};
+  MotionNodes nodes;             // of a canonical static set; else none
+  EnvironmentLight environment;  // behind both
 
   template <class Real>
   Cutoff<Real> cutoff() const {
@@ -172,8 +182,10 @@ struct GaussianModel {
   /// Whether anything changes with time.
   bool moves() const { return dynamic_set.count() > 0 || !nodes.empty(); }
   /// Deep copies in a memory: with the moments that there are, or of the values alone.
-  GaussianModel clone_to(Memory& memory) const;
-  GaussianModel clone_values(Memory& memory = host_memory()) const;
+  GaussianModel clone_to(Memory& memory, bool moments = true) const;
+  GaussianModel clone_values(Memory& memory = host_memory()) const {
+    return clone_to(memory, false);
+  }
 };
 
 /// What training gathers of each Gaussian of a set beside its parameters, since the last density

@@ -27,12 +27,9 @@ struct LearntRows {
   }
 
   LearntRows clone() const {
-    LearntRows copy;
-    copy.value.copy_from(value);
-    copy.moment1.copy_from(moment1);
-    copy.moment2.copy_from(moment2);
-    copy.steps.copy_from(steps);
-    return copy;
+    Memory& host = host_memory();
+    return {value.clone_to(host), moment1.clone_to(host), moment2.clone_to(host),
+            steps.clone_to(host)};
   }
 };
 

@@ -27,7 +27,7 @@ void ParameterAverage::begin_anew() {
 
 ParameterAverage ParameterAverage::clone_to(Memory& memory) const {
   ParameterAverage copy{states, {}};
-  for (const Buffer<float>& mean : means) copy.means.emplace_back(memory).copy_from(mean);
+  for (const Buffer<float>& mean : means) copy.means.push_back(mean.clone_to(memory));
   return copy;
 }
 

@@ -44,20 +44,12 @@ TrainState needed_of(const TrainState& state, const TrainOptions& options) {
 }  // namespace
 
 TrainState TrainState::clone_to(Memory& memory) const {
-  TrainState copy{model.clone_to(memory),
-                  {statistics[0].clone_to(memory), statistics[1].clone_to(memory)},
-                  exposure.clone(),
-                  clocks.clone(),
-                  average.clone_to(memory)};
-  copy.iteration = iteration;
-  copy.sampler_epoch = sampler_epoch;
-  copy.sampler_position = sampler_position;
-  copy.seconds = seconds;
-  copy.finished = finished;
-  copy.decided = decided;
-  copy.goal = goal;
-  copy.static_is_frozen = static_is_frozen;
-  return copy;
+  return {*this,
+          model.clone_to(memory),
+          {statistics[0].clone_to(memory), statistics[1].clone_to(memory)},
+          exposure.clone(),
+          clocks.clone(),
+          average.clone_to(memory)};
 }
 
 GaussianSpans<float> TrainState::filtered_values(int k) {

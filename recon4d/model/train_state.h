@@ -13,13 +13,9 @@
 
 namespace tessera {
 
-struct TrainState {
-  GaussianModel model;          // in any memory
-  SetStatistics statistics[2];  // static, dynamic
-  LearntRows exposure;          // on the host
-  LearntRows clocks;            // on the host
-  ParameterAverage average;     // over the last steps; none before TrainOptions::average_from
-  int64_t iteration = 0;        // steps done
+/// How far a training is.
+struct TrainProgress {
+  int64_t iteration = 0;  // steps done
   int64_t sampler_epoch = 0, sampler_position = 0;
   double seconds = 0;     // spent in steps and decisions
   int64_t decided = 0;    // steps done at the last decision of ModelReduction
@@ -28,6 +24,14 @@ struct TrainState {
   /// The static set stays to the bit as it is: it is drawn, and nothing else. So do the colours of
   /// the training images, by which it was trained.
   bool static_is_frozen = false;
+};
+
+struct TrainState : TrainProgress {
+  GaussianModel model;          // in any memory
+  SetStatistics statistics[2];  // static, dynamic
+  LearntRows exposure;          // on the host
+  LearntRows clocks;            // on the host
+  ParameterAverage average;     // over the last steps; none before TrainOptions::average_from
 
   /// Whether set k changes.
   bool trains(int k) const { return k == 1 || !static_is_frozen; }
