@@ -114,9 +114,9 @@ ViewScore score_view(const Frame& frame, const RenderedImage& image, const Image
   score.psnr = psnr_of_mse(score.mse);
   score.psnr_float = psnr_float(image.planar(), frame.image, mask);
   if (options.structure == StructureDetail::kAll)
-    score.structure = structure_scores(drawn, frame.image, mask);
+    static_cast<StructureScores&>(score) = structure_scores(drawn, frame.image, mask);
   else if (options.structure == StructureDetail::kSsim)
-    score.structure.reflect = ssim(drawn, frame.image, SsimPadding::kReflect, mask);
+    score.reflect = ssim(drawn, frame.image, SsimPadding::kReflect, mask);
   if (options.lpips) score.lpips = options.lpips(only_used(drawn, frame), frame.image);
   return score;
 }

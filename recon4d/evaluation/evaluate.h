@@ -17,20 +17,24 @@
 
 namespace tessera {
 
-struct ViewScore {
-  std::string name, camera;
-  double time = 0;  // normalised
-  int width = 0, height = 0;
-  double psnr = 0, psnr_float = 0;  // dB: 8-bit, un-quantised
-  double mse = 0;                   // 8-bit, range 1
-  StructureScores structure;        // nothing where undefined or not asked for
-  std::optional<double> lpips;      // where a network was given
+/// Scores that not every view has: nothing where they are undefined or were not asked for. Their
+/// names and definitions: score_rows.h.
+struct OptionalScores : StructureScores {
+  std::optional<double> lpips;  // where a network was given
   /// Over the pixels that move and the others (DynamicRegions); nothing where the camera moves or
   /// there is no such pixel.
   std::optional<double> psnr_dynamic, psnr_static;
   /// PSNR of the same pixels after the colour fit of the camera, one fit over all pixels of all its
   /// scored views. Nothing before the last view is scored.
   std::optional<double> psnr_fit, psnr_fit_dynamic, psnr_fit_static;
+};
+
+struct ViewScore : OptionalScores {
+  std::string name, camera;
+  double time = 0;  // normalised
+  int width = 0, height = 0;
+  double psnr = 0, psnr_float = 0;  // dB: 8-bit, un-quantised
+  double mse = 0;                   // 8-bit, range 1
   /// Of a frame outside training: its timestep was trained on, from other cameras / its camera was,
   /// at other timesteps. A frame can be both (one image was withheld) or neither (D-NeRF).
   bool held_out_view = false, held_out_time = false;
@@ -38,14 +42,11 @@ struct ViewScore {
 };
 
 /// Means over some views; nothing where there is none. All but PSNR: over the views that have one.
-struct MeanScore {
+struct MeanScore : OptionalScores {
   int64_t views = 0;
   std::optional<double> psnr, psnr_float;
   std::optional<double> psnr_of_mean_mse;  // not the mean of PSNR
-  StructureScores structure;
-  std::optional<double> lpips, psnr_dynamic, psnr_static;
-  std::optional<double> psnr_fit, psnr_fit_dynamic, psnr_fit_static;
-  int64_t dynamic_views = 0;  // that have a psnr_dynamic
+  int64_t dynamic_views = 0;               // that have a psnr_dynamic
 };
 
 struct EvaluationReport {
@@ -93,10 +94,9 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
                           Split split, const EvaluateOptions& options,
                           const ScoredCallback& scored = {});
 
-/// psnr, psnr_float, psnr_of_mean_mse, ssim (reflect), ssim_zero, ssim_inside, ssim_inside_range2,
-/// ms_ssim, dssim, lpips, psnr_dynamic, psnr_static, psnr_fit, psnr_fit_dynamic, psnr_fit_static,
-/// dynamic_weight_inside, moving_pixels_covered, definitions, num_gaussians, num_static,
-/// num_dynamic, bytes, split, background, width, height (null when views differ), views,
+/// psnr, psnr_float, psnr_of_mean_mse, the scores of score_rows.h, dssim, dynamic_weight_inside,
+/// moving_pixels_covered, definitions, num_gaussians, num_static, num_dynamic, bytes, split,
+/// background, width, height (null when views differ), views,
 /// held_out_views, held_out_times, novel_view, novel_time, novel_view_and_time, withheld,
 /// colour_fit (by camera: gain, offset), clock_fit (by camera: seconds; null: not asked for),
 /// timesteps and worst_timestep (time, frame_number, views, psnr, psnr_dynamic), objects (name,

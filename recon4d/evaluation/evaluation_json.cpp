@@ -1,7 +1,7 @@
 // An EvaluationReport as the JSON object of `evaluate --json` and metrics.json.
 #include <nlohmann/json.hpp>
 
-#include "recon4d/evaluation/evaluate.h"
+#include "recon4d/evaluation/score_rows.h"
 
 namespace tessera {
 namespace {
@@ -13,12 +13,8 @@ json or_null(const std::optional<T>& value) {
   return value ? json(*value) : json(nullptr);
 }
 
-void put_structure(const StructureScores& scores, json& object) {
-  object["ssim"] = or_null(scores.reflect);
-  object["ssim_zero"] = or_null(scores.zero);
-  object["ssim_inside"] = or_null(scores.inside);
-  object["ssim_inside_range2"] = or_null(scores.inside_range2);
-  object["ms_ssim"] = or_null(scores.multi_scale);
+void put_scores(const OptionalScores& scores, json& object) {
+  for (const ScoreRow& row : kScoreRows) object[row.name] = or_null(scores.*row.score);
   object["dssim"] = scores.reflect ? json((1 - *scores.reflect) / 2) : json(nullptr);
 }
 
@@ -26,49 +22,31 @@ void put_means(const MeanScore& mean, json& object) {
   object["psnr"] = or_null(mean.psnr);
   object["psnr_float"] = or_null(mean.psnr_float);
   object["psnr_of_mean_mse"] = or_null(mean.psnr_of_mean_mse);
-  put_structure(mean.structure, object);
-  object["lpips"] = or_null(mean.lpips);
-  object["psnr_dynamic"] = or_null(mean.psnr_dynamic);
-  object["psnr_static"] = or_null(mean.psnr_static);
-  object["psnr_fit"] = or_null(mean.psnr_fit);
-  object["psnr_fit_dynamic"] = or_null(mean.psnr_fit_dynamic);
-  object["psnr_fit_static"] = or_null(mean.psnr_fit_static);
+  put_scores(mean, object);
   object["dynamic_views"] = mean.dynamic_views;
   object["views"] = mean.views;
 }
 
 /// What the names of `put_means` mean: the same images score differently by definition.
 json definitions() {
-  return {{"psnr", "mean over views of 10 log10(1/MSE), 8-bit images, all channels"},
-          {"psnr_float", "the same, rendered values clamped and not rounded"},
-          {"psnr_of_mean_mse", "of the mean MSE over views"},
-          {"ssim", "11 taps, sigma 1.5, range 1, reflected, mean of the full map"},
-          {"ssim_zero", "as ssim, zeros outside the image (3DGS)"},
-          {"ssim_inside", "as ssim, windows inside the image alone (scikit-image, Gaussian)"},
-          {"ssim_inside_range2", "as ssim_inside with the constants of range 2"},
-          {"ms_ssim",
-           "five scales, weights .0448 .2856 .3001 .2363 .1333, 2x2 means, reflected; "
-           "null below 161 pixels or with a mask"},
-          {"dssim", "(1 - ssim) / 2, of ssim at range 1"},
-          {"lpips", "of the network that was given; inputs in [-1, 1]"},
-          {"psnr_dynamic",
-           "as psnr, pixels that differ from the camera's median over time by more "
-           "than 10/255 in a channel; psnr_static: the others"},
-          {"psnr_fit",
-           "as psnr after the gain and offset of each camera and channel that leave the least "
-           "squared error over all scored views of the camera; psnr_fit_dynamic, psnr_fit_static: "
-           "the same fit, pixels as of psnr_dynamic and psnr_static"},
-          {"timesteps", "PSNR of the mean squared error over all views of a timestep"},
-          {"dynamic_weight_inside",
-           "of the blending weight of dynamic Gaussians over all pixels, the share in pixels where "
-           "the mask says that something ever moves in that view (values from 128)"},
-          {"moving_pixels_covered",
-           "of the pixels that move at that timestep over half of them or more (values from 192), "
-           "those where dynamic Gaussians have half of the light or more"},
-          {"flicker",
-           "change_error: mean |change of the render - change of the truth| between "
-           "timesteps, in 1/255; still_deviation: mean standard deviation over time of "
-           "the render where that of the truth is below 2/255"}};
+  json definitions = {
+      {"psnr", "mean over views of 10 log10(1/MSE), 8-bit images, all channels"},
+      {"psnr_float", "the same, rendered values clamped and not rounded"},
+      {"psnr_of_mean_mse", "of the mean MSE over views"},
+      {"dssim", "(1 - ssim) / 2, of ssim at range 1"},
+      {"timesteps", "PSNR of the mean squared error over all views of a timestep"},
+      {"dynamic_weight_inside",
+       "of the blending weight of dynamic Gaussians over all pixels, the share in pixels where "
+       "the mask says that something ever moves in that view (values from 128)"},
+      {"moving_pixels_covered",
+       "of the pixels that move at that timestep over half of them or more (values from 192), "
+       "those where dynamic Gaussians have half of the light or more"},
+      {"flicker",
+       "change_error: mean |change of the render - change of the truth| between timesteps, in "
+       "1/255; still_deviation: mean standard deviation over time of the render where that of the "
+       "truth is below 2/255"}};
+  for (const ScoreRow& row : kScoreRows) definitions[row.name] = row.definition;
+  return definitions;
 }
 
 json flicker_json(const std::vector<FlickerScore>& cameras) {
@@ -136,16 +114,10 @@ json view_json(const ViewScore& view) {
                  {"height", view.height},
                  {"psnr", view.psnr},
                  {"psnr_float", view.psnr_float},
-                 {"lpips", or_null(view.lpips)},
-                 {"psnr_dynamic", or_null(view.psnr_dynamic)},
-                 {"psnr_static", or_null(view.psnr_static)},
-                 {"psnr_fit", or_null(view.psnr_fit)},
-                 {"psnr_fit_dynamic", or_null(view.psnr_fit_dynamic)},
-                 {"psnr_fit_static", or_null(view.psnr_fit_static)},
                  {"held_out_view", view.held_out_view},
                  {"held_out_time", view.held_out_time},
                  {"masked", view.masked}};
-  put_structure(view.structure, object);
+  put_scores(view, object);
   return object;
 }
 

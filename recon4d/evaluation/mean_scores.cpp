@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "recon4d/evaluation/metrics.h"
+#include "recon4d/evaluation/score_rows.h"
 
 namespace tessera {
 namespace {
@@ -37,16 +38,8 @@ MeanScore mean_score(const std::vector<ViewScore>& views) {
   mean.views = int64_t(views.size());
   mean.psnr = mean_of(views, [](const ViewScore& v) { return v.psnr; });
   mean.psnr_float = mean_of(views, [](const ViewScore& v) { return v.psnr_float; });
-  for (auto member : {&StructureScores::reflect, &StructureScores::zero, &StructureScores::inside,
-                      &StructureScores::inside_range2, &StructureScores::multi_scale})
-    mean.structure.*member =
-        mean_of(views, [member](const ViewScore& v) { return v.structure.*member; });
-  mean.lpips = mean_of(views, [](const ViewScore& v) { return v.lpips; });
-  mean.psnr_dynamic = mean_of(views, [](const ViewScore& v) { return v.psnr_dynamic; });
-  mean.psnr_static = mean_of(views, [](const ViewScore& v) { return v.psnr_static; });
-  mean.psnr_fit = mean_of(views, [](const ViewScore& v) { return v.psnr_fit; });
-  mean.psnr_fit_dynamic = mean_of(views, [](const ViewScore& v) { return v.psnr_fit_dynamic; });
-  mean.psnr_fit_static = mean_of(views, [](const ViewScore& v) { return v.psnr_fit_static; });
+  for (const ScoreRow& row : kScoreRows)
+    mean.*row.score = mean_of(views, [&](const ViewScore& v) { return v.*row.score; });
   mean.dynamic_views = std::count_if(views.begin(), views.end(),
                                      [](const ViewScore& v) { return v.psnr_dynamic.has_value(); });
   if (const auto mse = mean_of(views, [](const ViewScore& v) { return v.mse; }))

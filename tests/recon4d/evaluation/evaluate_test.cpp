@@ -224,7 +224,7 @@ TEST(Evaluate, ScoresItsOwnImagesAsQuantisation) {
   EXPECT_EQ(report.all.psnr, 100);               // equal 8-bit images
   EXPECT_GT(report.all.psnr_float.value(), 55);  // half a step of rounding, uniform: 58.9 dB
   EXPECT_LT(report.all.psnr_float.value(), 70);
-  EXPECT_NEAR(report.all.structure.reflect.value(), 1, 1e-12);
+  EXPECT_NEAR(report.all.reflect.value(), 1, 1e-12);
 }
 
 // Failure mode D5. Bug put back: opacity stored as σ(logit) and inverted at load; seen to fail.
@@ -328,8 +328,8 @@ TEST(Evaluate, PassesImagesInOrderAndStopsOnRequest) {
     names.push_back(frame.name);
     EXPECT_EQ(image.rgb.size(), 3u * 12 * 12);
     EXPECT_EQ(score.name, frame.name);
-    EXPECT_TRUE(score.structure.reflect.has_value());
-    EXPECT_FALSE(score.structure.zero.has_value());
+    EXPECT_TRUE(score.reflect.has_value());
+    EXPECT_FALSE(score.zero.has_value());
     EXPECT_EQ(done, int64_t(names.size()));
     EXPECT_EQ(total, 4);
     if (done == 3) throw std::runtime_error("stop");

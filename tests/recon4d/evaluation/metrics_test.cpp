@@ -90,7 +90,7 @@ TEST(Metrics, MeanOfPsnrIsNotPsnrOfTheMean) {
   const MeanScore mean = mean_score(views);
   EXPECT_NEAR(mean.psnr.value(), 30.00, 1e-9);
   EXPECT_NEAR(mean.psnr_of_mean_mse.value(), 22.97, 5e-3);
-  EXPECT_FALSE(mean.structure.reflect.has_value());
+  EXPECT_FALSE(mean.reflect.has_value());
 }
 
 // Failure mode D3. Bug put back: quantise by truncation; seen to fail.

@@ -101,7 +101,7 @@ TEST(JoinedScores, AreThoseOfTheWholeClip) {
   const EvaluationReport report = joined.finish();
   ASSERT_EQ(report.views.size(), whole.views.size());
   EXPECT_NEAR(report.all.psnr.value(), whole.all.psnr.value(), 1e-9);
-  EXPECT_NEAR(report.all.structure.reflect.value(), whole.all.structure.reflect.value(), 1e-9);
+  EXPECT_NEAR(report.all.reflect.value(), whole.all.reflect.value(), 1e-9);
   ASSERT_EQ(report.timesteps.size(), 5u);
   for (size_t i = 0; i < 5; ++i) {
     EXPECT_NEAR(report.timesteps[i].time, whole.timesteps[i].time, 1e-9);
