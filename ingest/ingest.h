@@ -70,13 +70,20 @@ struct PoseSource {
   std::filesystem::path cameras{};  // of kCameras: a file or folder that states them
 };
 
+/// Which cameras share estimated intrinsics: those of one image size, or none.
+enum class Intrinsics { kShared, kPerCamera };
+template <>
+inline constexpr const char* kEnumNames<Intrinsics>[] = {"shared", "per-camera"};
+
 struct PoseOptions {
   PoseSource source;
-  std::string lens_model;              // COLMAP's name; empty: the simplest that fits
-  bool intrinsics_per_camera = false;  // false: cameras of one image size share them
-  bool strict = false;                 // an unregistered camera is an error
-  std::filesystem::path cache;         // where COLMAP's results are kept for other outputs, too;
-                                       // empty: nowhere
+  std::string lens_model;  // COLMAP's name; empty: the simplest that fits
+  Intrinsics intrinsics = Intrinsics::kShared;
+  bool strict = false;          // an unregistered camera is an error
+  std::filesystem::path cache;  // where COLMAP's results are kept for other outputs, too; empty:
+                                // nowhere
+
+  bool intrinsics_per_camera() const { return intrinsics == Intrinsics::kPerCamera; }
 };
 
 struct IngestOptions {

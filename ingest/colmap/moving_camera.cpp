@@ -67,7 +67,7 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bo
   const std::string lens = options.lens_model.empty() ? "SIMPLE_RADIAL" : options.lens_model;
   Fnv1a key;
   key.add(fmt::format("moving 1, colmap {}, {} {} {}", colmap.version(), lens,
-                      options.intrinsics_per_camera, in_order));
+                      options.intrinsics_per_camera(), in_order));
   for (const auto& file : files) key.add(file.string() + " " + source_hash(file) + "\n");
   MovingCameraModel result;
   result.images = files.size();
@@ -83,7 +83,7 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bo
     ColmapOptions reading{{"--database_path", database},
                           {"--image_path", source},
                           {"--ImageReader.camera_model", lens}};
-    if (!options.intrinsics_per_camera)
+    if (!options.intrinsics_per_camera())
       reading.emplace_back(
           in_order ? "--ImageReader.single_camera" : "--ImageReader.single_camera_per_folder", "1");
     colmap.extract_features(reading, int64_t(files.size()));

@@ -163,7 +163,7 @@ std::filesystem::path RigSolver::solve(const std::vector<StillImage>& stills,
   if (!is_known) {
     work.clear();
     for (size_t i = 0; i < stills.size(); ++i) work.add(i, stills[i]);
-    work.find_matches(colmap, {lens.mapped, options.intrinsics_per_camera}, stills.size());
+    work.find_matches(colmap, {lens.mapped, options.intrinsics_per_camera()}, stills.size());
     map();
   }
   const auto largest = largest_colmap_model(work.sparse, stills.size(), warnings);
@@ -258,7 +258,7 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips,
   const ColmapProgram colmap(work.folder / "colmap.log", progress);
   Fnv1a key;
   key.add(fmt::format("rig 1, colmap {}, {} {}", colmap.version(), options.lens_model,
-                      options.intrinsics_per_camera));
+                      options.intrinsics_per_camera()));
   const RigLens lens = rig_lens(clips, options);
   if (lens.mapped != "SIMPLE_RADIAL") key.add(lens.mapped);
   const auto stills = still_images(clips, key, progress);

@@ -41,7 +41,7 @@ void check_layout_options(const LayoutRow& layout, const IngestOptions& o) {
         {!o.sync.offsets.empty(), videos, "--offsets", "videos"},
         {!o.readouts.empty(), videos, "--readout", "videos"},
         {!o.poses.lens_model.empty(), estimated, "--camera-model", "poses to be estimated"},
-        {o.poses.intrinsics_per_camera, estimated, "--intrinsics", "poses to be estimated"}})
+        {o.poses.intrinsics_per_camera(), estimated, "--intrinsics", "poses to be estimated"}})
     if (row.given && !row.fits)
       throw InputError(fmt::format("{} is given, but this capture ({}) has no {}; leave it out",
                                    row.name, layout.name, row.what));

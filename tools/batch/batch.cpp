@@ -73,7 +73,7 @@ std::vector<std::string> with_whole_files(std::vector<std::string> words, const 
 void check_ingest(std::vector<std::string> words, const std::string& where) {
   CLI::App command;
   IngestArguments arguments;
-  arguments.frames_as = name_of(FramesAs::kAuto);
+  arguments.options.frames_as = FramesAs::kAuto;
   add_ingest_options(command, arguments);
   command.add_flag("--static", arguments.options.allow_static);
   std::reverse(words.begin(), words.end());  // as CLI11 takes them

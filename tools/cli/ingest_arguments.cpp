@@ -1,4 +1,5 @@
-// Defines the ingest options and converts the given words into values.
+// Adds the rows of ingest/option_rows.h to a command, converts the words that were given, and
+// records the values.
 #include "tools/cli/ingest_arguments.h"
 
 #include <fmt/format.h>
@@ -7,13 +8,16 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <utility>
+#include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "ingest/camera_table_text.h"
 #include "ingest/files/cache_folder.h"
 #include "ingest/layouts/capture_layout.h"
+#include "ingest/option_rows.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/backend_options.h"
@@ -25,43 +29,57 @@
 namespace tessera {
 namespace {
 
-template <class Value>
-using Words = std::vector<std::pair<const char*, Value>>;
+using nlohmann::json;
 
-const Words<bool> kIntrinsicsWords{{"per-camera", true}, {"shared", false}};
-const Words<PoseSource::Kind> kPoseWords{{"", PoseSource::kFound},
-                                         {"colmap", PoseSource::kColmap},
-                                         {"llff", PoseSource::kLlff},
-                                         {"n3dv", PoseSource::kN3dv}};
+/// In the order of PoseSource::Kind, but for kCameras.
+constexpr const char* kPoseWords[] = {"", "colmap", "n3dv", "llff"};
 
+template <class Field>
+constexpr bool kIsOptional = false;
 template <class Value>
-auto find_word(const Words<Value>& words, const std::string& word) {
-  return std::find_if(words.begin(), words.end(),
-                      [&](const auto& row) { return row.first == word; });
-}
+constexpr bool kIsOptional<std::optional<Value>> = true;
+template <class Field>
+constexpr bool kIsChoice = std::is_enum_v<Field>;
+template <class Enum>
+constexpr bool kIsChoice<std::optional<Enum>> = std::is_enum_v<Enum>;
+using Readouts = std::map<std::string, double>;
+/// Fields that `take` reads; CLI11 converts the others, which are numbers and plain text.
+template <class Field>
+constexpr bool kIsTaken =
+    kIsChoice<Field> || std::is_same_v<Field, PoseSource> || std::is_same_v<Field, Readouts>;
+template <class Field>
+constexpr bool kIsList =
+    std::is_same_v<Field, std::vector<std::string>> || std::is_same_v<Field, Readouts>;
 
-/// The value that `word` stands for. Errors: InputError that lists the words there are.
-template <class Value>
-Value value_of(const Words<Value>& words, const std::string& word, const char* option) {
-  if (const auto found = find_word(words, word); found != words.end()) return found->second;
-  std::vector<const char*> known;
-  for (const auto& [name, value] : words) known.push_back(name);
-  throw InputError(
-      fmt::format("{} is '{}', expected one of {}", option, word, fmt::join(known, ", ")));
+/// Errors: InputError that lists the names there are.
+template <class Enum>
+requires std::is_enum_v<Enum>
+void take(const std::vector<std::string>& words, const char* option, Enum& field) {
+  const auto& names = kEnumNames<Enum>;
+  const auto found = std::find(std::begin(names), std::end(names), words.front());
+  if (found == std::end(names))
+    throw InputError(fmt::format("{} is '{}', expected one of {}", option, words.front(),
+                                 fmt::join(names, ", ")));
+  field = Enum(found - std::begin(names));
 }
 
 template <class Enum>
-Enum enum_of(const std::string& word, const char* option) {
-  Words<Enum> words;
-  for (const char* name : kEnumNames<Enum>) words.emplace_back(name, Enum(words.size()));
-  return value_of(words, word, option);
+void take(const std::vector<std::string>& words, const char* option, std::optional<Enum>& field) {
+  if (!words.front().empty()) take(words, option, field.emplace());
+}
+
+/// A word, or a file or folder of cameras.
+void take(const std::vector<std::string>& words, const char*, PoseSource& source) {
+  const auto found = std::find(std::begin(kPoseWords), std::end(kPoseWords), words.front());
+  source = found != std::end(kPoseWords)
+               ? PoseSource{PoseSource::Kind(found - std::begin(kPoseWords)), {}}
+               : PoseSource{PoseSource::kCameras, words.front()};
 }
 
 /// "16ms", "0.016", "cam01=16ms" each, in seconds by camera.
-std::map<std::string, double> readouts_of(const std::vector<std::string>& texts) {
+void take(const std::vector<std::string>& words, const char* option, Readouts& readouts) {
   constexpr double kLongest = 1;
-  std::map<std::string, double> readouts;
-  for (const std::string& text : texts) {
+  for (const std::string& text : words) {
     const size_t equals = text.rfind('=');
     const size_t first = equals == std::string::npos ? 0 : equals + 1;
     double value = 0;
@@ -72,158 +90,99 @@ std::map<std::string, double> readouts_of(const std::vector<std::string>& texts)
     if (parsed.ec != std::errc() || !(unit.empty() || unit == "s" || unit == "ms") ||
         !(std::abs(value) <= kLongest))
       throw InputError(fmt::format(
-          "--readout is '{}'; give a time up to a second like 16ms, or a camera and a time like "
+          "{} is '{}'; give a time up to a second like 16ms, or a camera and a time like "
           "cam01=16ms",
-          text));
+          option, text));
     readouts[first == 0 ? "" : text.substr(0, equals)] = value;
   }
-  return readouts;
 }
 
-/// A word, or a file or folder of cameras.
-PoseSource pose_source(const std::string& word) {
-  const auto found = find_word(kPoseWords, word);
-  if (found != kPoseWords.end()) return {found->second, {}};
-  return {PoseSource::kCameras, word};
-}
-
-std::string text_of(const PoseSource& source) {
-  for (const auto& [word, kind] : kPoseWords)
-    if (kind == source.kind) return word;
-  return source.cameras.string();
-}
-
-void add_frame_options(CLI::App& command, IngestArguments& arguments) {
-  IngestOptions& options = arguments.options;
-  command.add_option(
-      "--layout", arguments.layout,
-      "how images are read: rig (several cameras that film together), photos (of a static "
-      "scene), moving (one camera that moves); default: from their names");
-  command
-      .add_option("--scale", options.scale,
-                  "image size relative to the source, above 0 to 1, or 50%")
-      ->capture_default_str();
-  command.add_option("--frames", options.frames,
-                     "use the first N timesteps of each camera; default: all");
-  command.add_option("--start", options.start,
-                     "videos: begin so many seconds after the first common timestep");
-  command.add_option("--duration", options.duration, "videos: use so many seconds; default: all");
-  command.add_option(
-      "--fps", options.fps,
-      "videos: use so many frames per second; default: all. Image sequences: frame rate of "
-      "the numbers; default: 30");
-  command
-      .add_option("--cameras", options.cameras, "videos: use these cameras, by name; default: all")
-      ->delimiter(',');
-  command
-      .add_option(
-          "--held-out", options.held_out,
-          "test cameras (or photos), by name, or none; default: the innermost camera of a rig; for "
-          "photos see --test-every")
-      ->delimiter(',');
-  command
-      .add_option("--frames-as", arguments.frames_as,
-                  "videos of fixed cameras: png (an image a frame), video (frames are decoded "
-                  "from the source videos when the scene is loaded, and take no disk), or auto "
-                  "(video where the clip is longer than 20 s)")
-      ->capture_default_str();
-  command.add_option("--images", options.images,
-                     "photos: folder of the images, for example images_4; default: images");
-  command.add_option(
-      "--test-every", options.test_every,
-      "photos, one moving camera, transforms files without test frames: every Nth image by "
-      "name is a test view; 0: none; default: 8");
-}
-
-void add_camera_options(CLI::App& command, IngestArguments& arguments) {
-  IngestOptions& options = arguments.options;
-  command.add_option(
-      "--poses", arguments.poses,
-      "source of the poses: n3dv or llff (poses_bounds.npy), colmap (an existing model, else "
-      "estimated), or a file or folder of cameras; default: what the folder has");
-  command.add_option(
-      "--camera-model", options.poses.lens_model,
-      "lens model that COLMAP estimates, for example OPENCV; default: the simplest that fits");
-  command
-      .add_option("--intrinsics", arguments.intrinsics,
-                  "estimated intrinsics: shared (by cameras of one image size) or per-camera")
-      ->capture_default_str();
-  command
-      .add_option(
-          "--undistort", arguments.undistort,
-          "view of images whose lens distortion is removed: valid (cropped until all pixels "
-          "are valid), full (up to 120 degrees; blank pixels are masked), or auto (full "
-          "where the crop would take more than a tenth)")
-      ->capture_default_str();
-  command
-      .add_option(
-          "--sync", arguments.sync,
-          "how the clocks of the cameras are aligned: auto, none, container, audio or motion")
-      ->capture_default_str();
-  command.add_option("--offsets", options.sync.offsets,
-                     "file of clock offsets in seconds by camera; replaces --sync");
-  command
-      .add_option("--readout", arguments.readouts,
-                  "videos: time in which a rolling shutter reads an image from its top row to its "
-                  "bottom one, for example 16ms, or of single cameras cam01=16ms,cam02=-8ms")
-      ->delimiter(',');
-  command.add_flag("--strict", options.strict,
-                   "treat a missing or unreadable image and a camera without a pose as errors");
-}
-
-void add_image_options(CLI::App& command, IngestArguments& arguments) {
-  IngestOptions& options = arguments.options;
-  command.add_option("--masks", options.masks,
-                     "folder of masks, named as the images or cameras; black pixels are ignored");
-  command.add_flag("--invert-masks", options.invert_masks,
-                   "ignore white pixels instead of black ones");
-  command.add_flag("--fit-exposure", options.fit_exposure,
-                   "divide each training camera's images by its gains, measured on features");
-  command.add_flag("--keep-world", options.keep_world,
-                   "leave the poses' world as it is; default: up, centre and scale are normalised "
-                   "where the world is arbitrary (all but transforms)");
-  command.add_option(
-      "--cloud", arguments.cloud,
-      "initial points: none, sparse (the capture's, else COLMAP's), dense (and a plane "
-      "sweep); "
-      "default: dense where three training cameras share timesteps; none where frames stay in "
-      "videos, as each training makes its own");
-  command
-      .add_option("--cloud-points", options.cloud_points,
-                  "largest number of points of the plane sweep")
-      ->capture_default_str();
+template <class Field>
+void add_row(CLI::App& command, IngestArguments& arguments, const char* name, Field& field,
+             const char* doc) {
+  CLI::Option* option = nullptr;
+  if constexpr (kIsTaken<Field>)
+    option = command.add_option_function<std::vector<std::string>>(
+        name,
+        [&arguments, name](const std::vector<std::string>& words) {
+          arguments.words[name] = words;
+        },
+        doc);
+  else if constexpr (std::is_same_v<Field, bool>)
+    command.add_flag(name, field, doc);
+  else
+    option = command.add_option(name, field, doc);
+  if constexpr (kIsList<Field>)
+    option->delimiter(',');
+  else if constexpr (kIsTaken<Field>)
+    option->expected(1);
+  if constexpr (std::is_enum_v<Field>)
+    option->default_str(name_of(field));
+  else if constexpr (std::is_arithmetic_v<Field> && !std::is_same_v<Field, bool>)
+    option->capture_default_str();
 }
 
 /// A hash of the current version of a file or folder; null where none is named.
-nlohmann::json stamps_of(const std::filesystem::path& path) {
+json stamps_of(const std::filesystem::path& path) {
   if (path.empty() || !std::filesystem::exists(path)) return nullptr;
   return key_of(file_stamps(path));
+}
+
+constexpr const char* kDefault = "default";  // which follows from the capture
+
+/// Into `object`, under the name of the option with underscores. `absent`: for a number that is not
+/// given.
+template <class Field>
+void record(json& object, const std::string& key, const Field& field, int absent) {
+  if constexpr (std::is_enum_v<Field>)
+    object[key] = name_of(field);
+  else if constexpr (kIsChoice<Field>)
+    object[key] = field ? name_of(*field) : kDefault;
+  else if constexpr (kIsOptional<Field>)
+    object[key] = field ? json(*field) : json(absent);
+  else
+    object[key] = field;
+}
+
+void record(json& object, const std::string& key, const std::filesystem::path& file, int) {
+  object[fmt::format("contents of the {}", key)] = stamps_of(file);
+}
+
+void record(json& object, const std::string& key, const PoseSource& source, int) {
+  object[key] = source.kind == PoseSource::kCameras ? source.cameras.string()
+                                                    : kPoseWords[size_t(source.kind)];
+  record(object, key, source.cameras, 0);
+}
+
+/// As one text: an object would be compared key by key.
+void record(json& object, const std::string& key, const Readouts& readouts, int) {
+  std::vector<std::string> texts;
+  for (const auto& [camera, seconds] : readouts)
+    texts.push_back(camera.empty() ? fmt::format("{}", seconds)
+                                   : fmt::format("{}={}", camera, seconds));
+  object[key] = texts.empty() ? kDefault : fmt::format("{}", fmt::join(texts, ","));
 }
 
 }  // namespace
 
 void add_ingest_options(CLI::App& command, IngestArguments& arguments) {
-  add_frame_options(command, arguments);
-  add_camera_options(command, arguments);
-  add_image_options(command, arguments);
+  for_each_ingest_option(arguments.options,
+                         [&](const char* name, auto& field, const char* doc, int = 0) {
+                           add_row(command, arguments, name, field, doc);
+                         });
 }
 
 IngestOptions resolve_ingest(const IngestArguments& arguments) {
   IngestOptions options = arguments.options;
   check_values(options);
-  options.sync.method = enum_of<SyncMethod>(arguments.sync, "--sync");
-  options.readouts = readouts_of(arguments.readouts);
-  options.poses.source = pose_source(arguments.poses);
-  options.poses.intrinsics_per_camera =
-      value_of(kIntrinsicsWords, arguments.intrinsics, "--intrinsics");
+  for_each_ingest_option(options, [&](const char* name, auto& field, const char*, int = 0) {
+    if constexpr (kIsTaken<std::remove_reference_t<decltype(field)>>)
+      if (const auto found = arguments.words.find(name); found != arguments.words.end())
+        take(found->second, name, field);
+  });
   options.poses.strict = options.strict;
   if (const auto cache = user_cache_folder(); !cache.empty())
     options.poses.cache = cache / "colmap";
-  options.frames_as = enum_of<FramesAs>(arguments.frames_as, "--frames-as");
-  options.field_of_view = enum_of<FieldOfView>(arguments.undistort, "--undistort");
-  if (!arguments.layout.empty())
-    options.image_layout = enum_of<ImageLayout>(arguments.layout, "--layout");
-  if (!arguments.cloud.empty()) options.cloud = enum_of<CloudDensity>(arguments.cloud, "--cloud");
   return options;
 }
 
@@ -238,36 +197,15 @@ void require_one_capture(const std::filesystem::path& folder, const IngestOption
       may_be_rig ? "if they are the cameras of one scene, pass --layout rig; else " : ""));
 }
 
-nlohmann::json to_json(const IngestOptions& o) {
-  constexpr const char* kDefault = "default";  // which follows from the capture
-  nlohmann::json object{{"scale", o.scale},
-                        {"frames", o.frames.value_or(0)},
-                        {"start", o.start},
-                        {"duration", o.duration.value_or(0)},
-                        {"fps", o.fps.value_or(0)},
-                        {"cameras", o.cameras},
-                        {"held_out", o.held_out},
-                        {"static", o.allow_static},
-                        {"layout", o.layout ? layout_name(*o.layout) : ""},
-                        {"image_layout", o.image_layout ? name_of(*o.image_layout) : kDefault},
-                        {"images", o.images},
-                        {"frames_as", name_of(o.frames_as)},
-                        {"undistort", name_of(o.field_of_view)},
-                        {"test_every", o.test_every.value_or(-1)},
-                        {"poses", text_of(o.poses.source)},
-                        {"files of the poses", stamps_of(o.poses.source.cameras)},
-                        {"camera_model", o.poses.lens_model},
-                        {"intrinsics_per_camera", o.poses.intrinsics_per_camera},
-                        {"sync", name_of(o.sync.method)},
-                        {"files of the offsets", stamps_of(o.sync.offsets)},
-                        {"strict", o.strict},
-                        {"files of the masks", stamps_of(o.masks)},
-                        {"invert_masks", o.invert_masks},
-                        {"fit_exposure", o.fit_exposure},
-                        {"keep_world", o.keep_world},
-                        {"cloud", o.cloud ? name_of(*o.cloud) : kDefault},
-                        {"cloud_points", o.cloud_points}};
-  if (!o.readouts.empty()) object["readouts"] = o.readouts;
+json to_json(const IngestOptions& options) {
+  json object{{"static", options.allow_static}};
+  for_each_ingest_option(options,
+                         [&](std::string name, const auto& field, const char*, int absent = 0) {
+                           name.erase(0, 2);
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           // `layout` was another thing in folders of 0.3
+                           record(object, name == "layout" ? "image_layout" : name, field, absent);
+                         });
   return object;
 }
 

@@ -1,8 +1,10 @@
 // The ingest options of the command line, shared by `ingest`, `run` and `doctor`. ingest/ingest.h
 // documents their meaning.
 #pragma once
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "ingest/ingest.h"
 #include "tools/cli/command.h"
@@ -11,9 +13,8 @@ namespace tessera {
 
 struct IngestArguments {
   IngestOptions options;
-  std::vector<std::string> readouts;
-  std::string sync = "auto", intrinsics = "shared", cloud, layout, poses, frames_as = "png",
-              undistort = "auto";
+  /// By option, what was typed of those whose words are no numbers.
+  std::map<std::string, std::vector<std::string>> words{};
 };
 
 void add_ingest_options(CLI::App& command, IngestArguments& arguments);

@@ -48,7 +48,7 @@ void add_run_command(CLI::App& app, Work& work) {
       "run", "reconstruct a capture: ingest, train, evaluate, export, player; repeat it to resume");
   command.add_option("capture", request->capture, "folder of videos or images")->required();
   command.add_option("-o,--out", request->out, "output folder")->required();
-  request->ingest.frames_as = name_of(FramesAs::kAuto);
+  request->ingest.options.frames_as = FramesAs::kAuto;
   add_ingest_options(command, request->ingest);
   command
       .add_option("--export-frames", request->export_frames,

@@ -114,7 +114,7 @@ TEST_F(CliRun, WhatIsNotAsItWasWrittenIsNoResult) {
 }
 
 // Bugs put back, each seen to fail: the backend and defaults that are spelt out taken for a change;
-// numbers of enumerators recorded, not words.
+// numbers of enumerators recorded, not words; read-outs recorded only where there are some.
 TEST_F(CliRun, ARefusalNamesWhatDiffers) {
   ASSERT_EQ(run().exit_code, 0);
   const std::string model = work.read("out/run/model.ply");
@@ -132,6 +132,7 @@ TEST_F(CliRun, ARefusalNamesWhatDiffers) {
   expect_refused({"--preset", "3dgs"}, "preset balanced → 3dgs");
   expect_refused({"--scale", "0.5"}, "scale 1.0 → 0.5");
   expect_refused({"--cloud", "none"}, "cloud default → none");
+  expect_refused({"--readout", "16ms,cam01=-8ms"}, "readout default → 0.016,cam01=-0.008");
 }
 
 // Bugs put back, each seen to fail: ingested again; the scene moved, so that the old run has none.
