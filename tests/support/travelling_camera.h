@@ -74,11 +74,7 @@ inline GaussianModel meeting_truth(float way) {
 /// Frames of all cameras at all timesteps, of which each timestep has one that is trained on; every
 /// third of the others is a test view.
 inline Scene travelling_camera(const GaussianModel& truth, int timesteps, int size) {
-  TinyCapture capture;
-  capture.cameras = timesteps;
-  capture.timesteps = timesteps;
-  capture.size = size;
-  Scene all = tiny_capture(capture, truth);
+  Scene all = tiny_capture({.cameras = timesteps, .timesteps = timesteps, .size = size}, truth);
   Scene scene = all;
   scene.frames.clear();
   for (size_t i = 0; i < all.frames.size(); ++i) {

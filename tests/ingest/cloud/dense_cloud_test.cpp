@@ -18,12 +18,8 @@
 #include "tests/ingest/cloud/wall_scene.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::expect_equal;
-using testing::TemporaryFolder;
-using testing::wall_scene;
 
 /// Held-out cameras see another colour: blue is 255 everywhere, elsewhere at most 247.
 void hold_out(Scene& scene, const std::set<std::string>& cameras) {
@@ -320,4 +316,4 @@ TEST(InitialCloud, CamerasOfARigAreCounted) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

@@ -6,12 +6,8 @@
 #include "tests/ingest/cloud/host_search.h"
 #include "tests/ingest/cloud/wall_scene.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::expect_equal;
-using testing::HostSearch;
-using testing::wall_scene;
 
 // Bugs put back: what moves and what does not changed over; one pixel a group; depths of the host's
 // own images; each seen to fail.
@@ -47,4 +43,4 @@ TEST(DeviceSearch, IsNotAskedForWithoutARig) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

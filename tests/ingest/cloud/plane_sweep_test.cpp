@@ -7,10 +7,8 @@
 
 #include "tests/ingest/cloud/wall_scene.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::wall_scene;
 
 /// From every third pixel of all frames.
 std::vector<SweptPoint> swept(const Scene& scene) {
@@ -26,8 +24,7 @@ std::vector<SweptPoint> swept(const Scene& scene) {
 /// Share of points off the wall by more than `bound`.
 double share_off(const std::vector<SweptPoint>& points, double bound) {
   int64_t off = 0;
-  for (const SweptPoint& point : points)
-    off += std::abs(point.position.z - testing::kWallDepth) > bound;
+  for (const SweptPoint& point : points) off += std::abs(point.position.z - kWallDepth) > bound;
   return double(off) / double(points.size());
 }
 
@@ -46,8 +43,8 @@ TEST(PlaneSweep, DetectsMovingPoints) {
   int64_t moving = 0;
   for (const SweptPoint& point : swept(wall_scene())) {
     moving += !point.still;
-    if (std::abs(point.position.x - testing::kWallMoves) < 0.2) continue;  // both in a patch
-    EXPECT_EQ(point.still, point.position.x < testing::kWallMoves) << point.position.x;
+    if (std::abs(point.position.x - kWallMoves) < 0.2) continue;  // both in a patch
+    EXPECT_EQ(point.still, point.position.x < kWallMoves) << point.position.x;
   }
   EXPECT_GT(moving, 100);
 }
@@ -61,9 +58,9 @@ TEST(PlaneSweep, WhatIsStillStaysSoWhereTheLightChanges) {
         frame.image.data[i] = uint8_t(frame.image.data[i] * (i % 3 == 0 ? 0.9 : 0.75));
   int64_t still = 0, moving = 0;
   for (const SweptPoint& point : swept(scene)) {
-    if (std::abs(point.position.x - testing::kWallMoves) < 0.2) continue;  // both in a patch
+    if (std::abs(point.position.x - kWallMoves) < 0.2) continue;  // both in a patch
     (point.still ? still : moving) += 1;
-    EXPECT_EQ(point.still, point.position.x < testing::kWallMoves) << point.position.x;
+    EXPECT_EQ(point.still, point.position.x < kWallMoves) << point.position.x;
   }
   EXPECT_GT(still, 1000);
   EXPECT_GT(moving, 100);
@@ -72,7 +69,7 @@ TEST(PlaneSweep, WhatIsStillStaysSoWhereTheLightChanges) {
 /// The wall stands still; what passes before a quarter of it is red.
 std::array<uint8_t, 3> passing(int, double x, double y, double time) {
   if (x < -0.3 && time > 0.4 && time < 0.6) return {200, 10, 10};
-  return testing::wall_colour(std::min(x, testing::kWallMoves), y, 0);
+  return wall_colour(std::min(x, kWallMoves), y, 0);
 }
 
 // Bug put back: a single timestep that differs is enough; seen to fail.
@@ -163,4 +160,4 @@ TEST(PlaneSweep, NeedsThreeTrainingCamerasOfATimestep) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

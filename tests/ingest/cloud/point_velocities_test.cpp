@@ -14,11 +14,8 @@
 #include "kernels/base/parallel.h"
 #include "tests/ingest/cloud/wall_scene.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::wall_scene;
-using testing::WallRig;
 
 /// The frames of some timesteps.
 Scene part_of(const Scene& scene, const std::vector<int64_t>& timesteps) {
@@ -85,7 +82,7 @@ TEST(PointVelocities, FromOneSide) {
 // Along the cameras' axes, where only the baseline determines the velocity.
 // Bug put back: derivatives by the camera's axes taken as those of the world; seen to fail.
 TEST(PointVelocities, OfAWallThatRetreats) {
-  const auto still = [](int, double x, double y, double) { return testing::wall_colour(x, y, 0); };
+  const auto still = [](int, double x, double y, double) { return wall_colour(x, y, 0); };
   const Found made = found({.timesteps = 9, .retreat = 1, .colour = still}, 4, {3, 5});
   EXPECT_LT(median_error(made, {0, 0, 1}), 0.15);
 }
@@ -94,7 +91,7 @@ TEST(PointVelocities, OfAWallThatRetreats) {
 TEST(PointVelocities, NoneWhereTheImagesBesideShowSomethingElse) {
   const auto flicker = [](int, double x, double y, double time) {
     const bool odd = std::lround(15 * time) % 2 == 1;
-    return odd ? testing::wall_colour(2 * y, 3 * x, 0) : testing::wall_colour(x, y, 0);
+    return odd ? wall_colour(2 * y, 3 * x, 0) : wall_colour(x, y, 0);
   };
   const Found made = found({.timesteps = 16, .colour = flicker}, 7, {6, 8});
   EXPECT_GT(made.count.moving, 100);
@@ -132,4 +129,4 @@ TEST(NearestFew, AsByLookingAtAll) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

@@ -118,13 +118,9 @@ void damage_everything(const std::function<void(const path&)>& write,
 
 // B16.
 TEST(DamagedCapture, TransformsFiles) {
-  damage_everything(
-      [](const path& folder) {
-        SmallCapture capture;
-        capture.test = 0;
-        write_dnerf(folder, capture);
-      },
-      {"train/r_000.png", "train/r_001.png", "train/r_003.png"}, {"transforms_train.json"});
+  damage_everything([](const path& folder) { write_dnerf(folder, {.test = 0}); },
+                    {"train/r_000.png", "train/r_001.png", "train/r_003.png"},
+                    {"transforms_train.json"});
 }
 
 TEST(DamagedCapture, ColmapPhotos) {

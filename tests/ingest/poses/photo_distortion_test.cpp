@@ -58,13 +58,8 @@ TEST(StatedLens, WhatItCannotMean) {
 // recorded; each seen to fail.
 TEST(PhotoDistortion, TransformsAreUndistortedAndRecorded) {
   const TemporaryFolder folder;
-  SmallCapture small;
-  small.train = 2;
-  small.test = 0;
-  small.width = 200;
-  small.height = 160;
-  small.with_times = false;
-  write_dnerf(folder / "capture", small);
+  write_dnerf(folder / "capture",
+              {.train = 2, .test = 0, .width = 200, .height = 160, .with_times = false});
   for (const char* name : {"r_000.png", "r_001.png"})
     write_png(folder / "capture/train" / name, ramp(200, 160));
   edit_json(folder / "capture/transforms_train.json", [](json& file) {

@@ -40,11 +40,7 @@ void write_rig(const TemporaryFolder& folder,
 
 /// Photos of a scene that stands still.
 void write_photos(const TemporaryFolder& folder, const std::function<void(json&, int)>& change) {
-  SmallCapture capture;
-  capture.train = 6;
-  capture.test = 0;
-  capture.with_times = false;
-  write_dnerf(folder.path(), capture);
+  write_dnerf(folder.path(), {.train = 6, .test = 0, .with_times = false});
   edit_json(folder / "transforms_train.json", [&](json& file) {
     for (int i = 0; i < 6; ++i) change(file["frames"][size_t(i)], i);
   });

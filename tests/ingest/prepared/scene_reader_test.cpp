@@ -17,10 +17,7 @@ using nlohmann::json;
 
 Scene load_with_times(const std::function<double(double)>& time) {
   const TemporaryFolder folder;
-  SmallCapture capture;
-  capture.train = 7;
-  capture.time = time;
-  write_dnerf(folder.path(), capture);
+  write_dnerf(folder.path(), {.train = 7, .time = time});
   return load_scene(folder.path(), {});
 }
 
@@ -69,9 +66,7 @@ TEST(Times, AllEqualIsRefusedUnlessStaticIsAllowed) {
 
 TEST(Times, NoneIsStaticAndSomeIsAnError) {
   const TemporaryFolder folder;
-  SmallCapture capture;
-  capture.with_times = false;
-  write_dnerf(folder.path(), capture);
+  write_dnerf(folder.path(), {.with_times = false});
   EXPECT_TRUE(load_scene(folder.path(), {}).is_static);
   edit_json(folder / "transforms_train.json", [](json& file) { file["frames"][1]["time"] = 0.5; });
   expect_input_error([&] { load_scene(folder.path(), {}); }, {"frame 0", "has no time"});
@@ -82,9 +77,7 @@ TEST(Times, NoneIsStaticAndSomeIsAnError) {
 // B13, the loader's part. Bug put back: one time treated like several equal ones; seen to fail.
 TEST(Scene, OneFrameOfOneCameraIsAStaticScene) {
   const TemporaryFolder folder;
-  SmallCapture capture;
-  capture.train = 1;
-  capture.test = 0;
+  SmallCapture capture{.train = 1, .test = 0};
   capture.time = [](double) { return 0.25; };
   write_dnerf(folder.path(), capture);
   const Scene scene = load_scene(folder.path(), {});
@@ -131,9 +124,7 @@ TEST(Scene, KnownColoursOnBlackAndWhite) {
 
 TEST(Scene, OpaqueAndGreyImagesPassThrough) {
   const TemporaryFolder folder;
-  SmallCapture capture;
-  capture.channels = 3;
-  write_dnerf(folder.path(), capture);
+  write_dnerf(folder.path(), {.channels = 3});
   write_png(folder / "train/r_001.png", constant_image(8, 6, {77}));
   const Scene scene = load_scene(folder.path(), {});
   EXPECT_FALSE(scene.had_alpha);
@@ -159,10 +150,7 @@ TEST(Scene, WithoutPixelsEverythingElseIsThere) {
 // training split beside them; times of the few frames, not of the whole scene.
 TEST(Scene, FewHeldOutFramesKeepTheirTimes) {
   const TemporaryFolder folder;
-  SmallCapture capture;
-  capture.train = 7;
-  capture.test = 9;
-  write_dnerf(folder.path(), capture);
+  write_dnerf(folder.path(), {.train = 7, .test = 9});
   const Scene whole = load_scene(folder.path(), {}),
               few = load_scene(folder.path(), {.held_out = 3});
   const std::vector<int> test = whole.split_indices(Split::kTest);
@@ -179,9 +167,7 @@ TEST(Scene, FewHeldOutFramesKeepTheirTimes) {
 
 /// A clip of 31 timesteps from 100 to 103 seconds.
 void write_clip(const std::filesystem::path& folder) {
-  SmallCapture capture;
-  capture.train = 31;
-  capture.test = 0;
+  SmallCapture capture{.train = 31, .test = 0};
   capture.time = [](double t) { return 100 + 3 * t; };
   write_dnerf(folder, capture);
 }

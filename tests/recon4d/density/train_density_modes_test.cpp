@@ -106,8 +106,7 @@ double largest_difference(const GaussianModel& a, const GaussianModel& b,
 // pixel (1.50/255 on one CPU, less on others); the failure mode's 1e-4 holds where α has no such
 // threshold.
 TEST(DensityModes, OnlyWhatNoTimestepShowsIsRemoved) {
-  TinyCapture capture;
-  capture.timesteps = 6;
+  TinyCapture capture{.timesteps = 6};
   Scene scene = tiny_capture(capture);
   const std::vector<Frame> held_out(scene.frames.end() - capture.timesteps, scene.frames.end());
   scene.frames.resize(scene.frames.size() - held_out.size());

@@ -8,11 +8,8 @@
 
 #include "tests/recon4d/model/handmade_set.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::HandmadeSet;
-using testing::Tag;
 
 constexpr double kExtent = 2;  // small: ≤ 0.02; large: > 0.2
 constexpr float kSmall = 0.01f, kMedium = 0.1f, kLarge = 0.3f, kHuge = 0.5f;
@@ -40,8 +37,8 @@ class Density : public ::testing::TestWithParam<SetForm> {
     return made;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Form, Density, ::testing::ValuesIn(testing::kForms),
-                         [](const auto& form) { return testing::form_name(form.param); });
+INSTANTIATE_TEST_SUITE_P(Form, Density, ::testing::ValuesIn(kForms),
+                         [](const auto& form) { return form_name(form.param); });
 
 constexpr float kWeak = 1e-4f, kStrong = 3e-4f;  // mean gradients about the threshold of 2e-4
 
@@ -263,4 +260,4 @@ TEST(DensityBudget, HalvesWhateverSizeItHas) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

@@ -17,17 +17,8 @@
 #include "tests/support/separate_backend.h"
 #include "tests/support/tiny_capture.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::first_state;
-using testing::HandmadeSet;
-using testing::model_bits;
-using testing::SeparateBackend;
-using testing::state_bits;
-using testing::tiny_capture;
-using testing::tiny_options;
-using testing::Training;
 
 /// Static and dynamic set in which every `dead_every`-th Gaussian is dead.
 TrainState handmade_state(int64_t fixed, int64_t moving, int64_t dead_every = 1000) {
@@ -316,4 +307,4 @@ TEST(McmcTraining, BeatsASetThatDoesNotGrow) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

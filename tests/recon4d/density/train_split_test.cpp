@@ -9,11 +9,8 @@
 #include "tests/recon4d/model/handmade_set.h"
 #include "tests/support/brute_force.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::HandmadeSet;
-using testing::Quaternion;
 
 constexpr float kLeft[4] = {0.8f, -0.3f, 0.4f, 0.2f}, kRight[4] = {0.5f, 0.6f, -0.1f, 0.3f};
 constexpr double kScale[4] = {0.3, 0.2, 0.6, 0.05};  // t, x, y, z
@@ -57,14 +54,14 @@ void split(HandmadeSet& made, int64_t seed = 1, int64_t step = 7) {
 void covariance(SetForm form, double (&sigma)[4][4]) {
   const double left[4] = {kLeft[0], kLeft[1], kLeft[2], kLeft[3]};
   const double right[4] = {kRight[0], kRight[1], kRight[2], kRight[3]};
-  const Quaternion l = testing::unit_quaternion(left);
-  const Quaternion r = form == SetForm::kPair ? testing::unit_quaternion(right)
-                                              : Quaternion{l[0], -l[1], -l[2], -l[3]};
+  const Quaternion l = unit_quaternion(left);
+  const Quaternion r =
+      form == SetForm::kPair ? unit_quaternion(right) : Quaternion{l[0], -l[1], -l[2], -l[3]};
   for (auto& element : sigma) std::fill(element, element + 4, 0.0);
   for (size_t k = form == SetForm::kStatic ? 1 : 0; k < 4; ++k) {
     Quaternion axis{};
     axis[k] = kScale[k];
-    Quaternion image = testing::hamilton(testing::hamilton(l, axis), r);
+    Quaternion image = hamilton(hamilton(l, axis), r);
     for (size_t i = 0; form == SetForm::kVelocity && k == 0 && i < 3; ++i)
       image[i + 1] = kScale[0] * double(kVelocityOf[i]);
     for (size_t i = 0; i < 4; ++i)
@@ -73,8 +70,8 @@ void covariance(SetForm form, double (&sigma)[4][4]) {
 }
 
 class SplitForm : public ::testing::TestWithParam<SetForm> {};
-INSTANTIATE_TEST_SUITE_P(Form, SplitForm, ::testing::ValuesIn(testing::kForms),
-                         [](const auto& form) { return testing::form_name(form.param); });
+INSTANTIATE_TEST_SUITE_P(Form, SplitForm, ::testing::ValuesIn(kForms),
+                         [](const auto& form) { return form_name(form.param); });
 
 // Bug put back: the transposed rotation; seen to fail in both dimensions.
 TEST_P(SplitForm, ChildrenAreDistributedAsTheirParent) {
@@ -214,7 +211,7 @@ TEST_P(SplitForm, ReorderMovesEverythingAlong) {
   for (int64_t n = 0; n < 100; ++n) before.describe(n, 0.1f, 0.5f, float(n));
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   reorder(*backend, made.set, made.statistics);
-  const std::vector<testing::Tag> tags = made.tags();
+  const std::vector<Tag> tags = made.tags();
   EXPECT_FALSE(std::is_sorted(tags.begin(), tags.end()));
   for (int64_t i = 0; i < 100; ++i) {
     const int64_t from = tags[size_t(i)];
@@ -241,4 +238,4 @@ TEST_P(SplitForm, EqualPlacesKeepTheirOrder) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

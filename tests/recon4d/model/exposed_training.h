@@ -7,10 +7,7 @@ namespace tessera::testing {
 
 /// Five cameras with three timesteps each.
 inline TinyCapture exposed_ring() {
-  TinyCapture capture;
-  capture.cameras = 5;
-  capture.timesteps = 3;
-  capture.size = 24;
+  TinyCapture capture{.cameras = 5, .timesteps = 3, .size = 24};
   return capture;
 }
 

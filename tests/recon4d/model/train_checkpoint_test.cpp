@@ -15,16 +15,10 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/support/tiny_capture.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
 
 using nlohmann::json;
-using testing::ScratchFolder;
-using testing::state_bits;
-using testing::tiny_capture;
-using testing::tiny_options;
-using testing::TinyCapture;
-using testing::Training;
 
 class CheckpointFile : public ::testing::Test {
  protected:
@@ -35,11 +29,7 @@ class CheckpointFile : public ::testing::Test {
   }
 
   static Scene small_scene() {
-    TinyCapture capture;
-    capture.cameras = 2;
-    capture.timesteps = 2;
-    capture.size = 10;
-    Scene scene = tiny_capture(capture);
+    Scene scene = tiny_capture({.cameras = 2, .timesteps = 2, .size = 10});
     scene.time_axis = {12.1, 0.3};
     return scene;
   }
@@ -67,7 +57,7 @@ class CheckpointFile : public ::testing::Test {
     return "";
   }
 
-  json header() const { return testing::header_of(bytes_); }
+  json header() const { return header_of(bytes_); }
   std::string with_header(const json& changed) const {
     return testing::with_header(bytes_, changed);
   }
@@ -133,7 +123,7 @@ TEST_F(CheckpointFile, TruncatedAnywhere) {
   for (size_t length = 0; length < bytes_.size(); length += stride(length)) {
     const std::string message = refusal(bytes_.substr(0, length));
     ASSERT_NE(message, "") << "loads with " << length << " of " << bytes_.size() << " bytes";
-    if (length >= testing::kHeaderAt) expect_says(message, "truncated");
+    if (length >= kHeaderAt) expect_says(message, "truncated");
   }
   expect_says(refusal(bytes_ + "x"), "its header promises");
 }
@@ -157,7 +147,7 @@ TEST_F(CheckpointFile, ForeignFiles) {
   older[8] = 4;
   expect_says(refusal(older), "checkpoint version 4, this program reads version 7; resume it");
   std::string endless = bytes_;
-  for (size_t i = 0; i < 8; ++i) endless[testing::kHeaderBytesAt + i] = char(0xff);
+  for (size_t i = 0; i < 8; ++i) endless[kHeaderBytesAt + i] = char(0xff);
   expect_says(refusal(endless), "header incomplete");
   EXPECT_THROW(load_checkpoint(folder_ / "absent.ckpt"), InputError);
   EXPECT_THROW(load_checkpoint(folder_.path()), InputError);
@@ -257,7 +247,7 @@ TEST_F(CheckpointFile, UnwritablePlacesAreNamed) {
 }
 
 TEST_F(CheckpointFile, BeforeTheFirstStep) {
-  save_checkpoint(path(), testing::first_state(scene_, options()), options(), {});
+  save_checkpoint(path(), first_state(scene_, options()), options(), {});
   Checkpoint loaded = load_checkpoint(path());
   Training a(scene_, options(), std::move(loaded.state));
   Training b(scene_, options());
@@ -267,4 +257,4 @@ TEST_F(CheckpointFile, BeforeTheFirstStep) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

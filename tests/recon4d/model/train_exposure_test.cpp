@@ -192,8 +192,7 @@ void expect_refused(const Scene& scene, ExposureGains by, const std::vector<std:
 
 // Bugs put back, each seen to fail: a single camera taken; a white background taken.
 TEST(TrainExposure, IsRefusedWhereItMeansNothing) {
-  TinyCapture capture;
-  capture.cameras = 1;
+  TinyCapture capture{.cameras = 1};
   expect_refused(tiny_capture(capture), ExposureGains::kCamera,
                  {"4 training frames", "ring0", "frame"});
   expect_refused(tiny_capture(capture), ExposureGains::kAffine,

@@ -35,12 +35,12 @@ TEST(Forecast, DoesNotOverflow) {
 
 /// As dnerf_lego's.
 ForecastLoad frames_of_800(int threads) {
-  ForecastLoad load;
-  load.training_frames = 50;
-  load.pixels = 800 * 800;
-  load.image_bytes = load.training_bytes = 50LL * 3 * 800 * 800;
-  load.threads = threads;
-  return load;
+  constexpr int64_t kPixels = 800 * 800, kBytes = 50 * 3 * kPixels;
+  return {.training_frames = 50,
+          .pixels = kPixels,
+          .image_bytes = kBytes,
+          .training_bytes = kBytes,
+          .threads = threads};
 }
 
 // Bugs put back: nodes counted as pairs; no time for the trials; each seen to fail.

@@ -9,16 +9,10 @@
 #include "recon4d/options/train_options_json.h"
 #include "tests/support/tiny_capture.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
 
 using nlohmann::json;
-using testing::model_bits;
-using testing::state_bits;
-using testing::tiny_capture;
-using testing::tiny_options;
-using testing::TinyCapture;
-using testing::Training;
 
 /// Wide enough for points that no camera sees, small enough for Gaussians that are too large.
 TrainOptions usual_options() {
@@ -204,8 +198,7 @@ std::vector<uint32_t> kept(const TrainOptions& options) {
 std::vector<uint32_t> trained(const TrainOptions& options, bool narrow = false,
                               bool behind = false) {
   validate(options);
-  TinyCapture capture;
-  capture.background = parse_background(options.background);
+  TinyCapture capture{.background = parse_background(options.background)};
   if (narrow) capture.arc = 0.5;  // cameras near enough for patches to be compared
   Scene scene = tiny_capture(capture);
   scene.had_alpha = !behind;
@@ -217,9 +210,7 @@ std::vector<uint32_t> trained(const TrainOptions& options, bool narrow = false,
 
 /// Tile instances of the last step before density control, of images of several tiles.
 int64_t some_instances(const std::string& key, bool value) {
-  TinyCapture capture;
-  capture.size = 100;
-  const Scene scene = tiny_capture(capture);
+  const Scene scene = tiny_capture({.size = 100});
   TrainOptions options = usual_options();
   set_option_from_json(options, key, value);
   Training training(scene, options);
@@ -323,4 +314,4 @@ INSTANTIATE_TEST_SUITE_P(Options, Switch, ::testing::ValuesIn(all_keys()),
                          [](const auto& row) { return row.param; });
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

@@ -20,11 +20,8 @@ namespace {
 
 /// Frames of noise for a model to be held against.
 Scene noisy_ring(int cameras, int timesteps, int size = 20) {
-  TinyCapture capture;
-  capture.cameras = cameras;
-  capture.timesteps = timesteps;
-  capture.size = size;
-  Scene scene = tiny_capture(capture, empty_model());
+  Scene scene =
+      tiny_capture({.cameras = cameras, .timesteps = timesteps, .size = size}, empty_model());
   Random random(3);
   for (Frame& frame : scene.frames)
     for (uint8_t& byte : frame.image.data) byte = uint8_t(random.below(256));

@@ -218,9 +218,7 @@ TEST(ModelReduction, NoGaussiansAreNothingToThin) {
 // One timestep contains no information on motion. Bug put back: checked all the same; seen to
 // fail.
 TEST(ModelReduction, OneTimestepDecidesNothingOfMotion) {
-  TinyCapture capture;
-  capture.timesteps = 1;
-  const Scene scene = tiny_capture(capture);
+  const Scene scene = tiny_capture({.timesteps = 1});
   TrainOptions options = thrifty_options();
   options.size = ModelSize::kGrown;
   Training training(scene, options);

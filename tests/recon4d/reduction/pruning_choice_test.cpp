@@ -30,8 +30,7 @@ PruningChoice chosen(const SizeRequest& request) {
 
 // C13. Bug put back: the goal without its spare; seen to fail.
 TEST(PruningChoice, ANumberOfGaussiansAndALittleMore) {
-  SizeRequest request;
-  request.gaussians = 50;
+  SizeRequest request{.gaussians = 50};
   EXPECT_EQ(chosen(request).goal, 52) << "1.04 of it";
   EXPECT_EQ(chosen(request).after, 52);
   request.gaussians = 500;
@@ -40,19 +39,14 @@ TEST(PruningChoice, ANumberOfGaussiansAndALittleMore) {
 
 // Bug put back: equal numbers for each round; seen to fail.
 TEST(PruningChoice, RoundsTakeEqualRatios) {
-  SizeRequest request;
-  request.gaussians = 50;
-  request.rounds_left = 2;
+  SizeRequest request{.gaussians = 50, .rounds_left = 2};
   EXPECT_EQ(chosen(request).goal, 52);
   EXPECT_EQ(chosen(request).after, 72) << "100·√0.52";
 }
 
 // Bug put back: within_db in the place of what the validation views have left; seen to fail.
 TEST(PruningChoice, DecibelsThatTheValidationViewsHaveLeft) {
-  SizeRequest request;
-  request.within_db = 3;
-  request.validation_room = 1;
-  request.rounds_left = 4;
+  SizeRequest request{.within_db = 3, .validation_room = 1, .rounds_left = 4};
   const PruningChoice choice = chosen(request);
   EXPECT_EQ(choice.goal, 98) << "two take 0.79 dB, three 1.14 dB";
   EXPECT_EQ(choice.after, 98) << "all the way at each round";
@@ -63,8 +57,7 @@ TEST(PruningChoice, DecibelsThatTheValidationViewsHaveLeft) {
 
 // Bug put back: bytes by the rates alone; seen to fail.
 TEST(PruningChoice, BytesScaleFromTheRatesToTheFile) {
-  SizeRequest request;
-  request.bytes = 1005;
+  SizeRequest request{.bytes = 1005};
   request.file_bytes = 2000;  // twice the size by the rates
   EXPECT_EQ(chosen(request).goal, 52) << "1040 of 1045 bytes";
 }
@@ -79,16 +72,14 @@ TEST(PruningChoice, WithoutARequestTheKneeAndThenItsGoal) {
   EXPECT_EQ(choice.after, choice.knee);
   EXPECT_EQ(choice.error_per_byte, error_per_byte_at(order, choice.knee));
   EXPECT_LT(choice.knee, 60);
-  SizeRequest later;
-  later.known_goal = 77;
+  SizeRequest later{.known_goal = 77};
   EXPECT_EQ(choose_pruning(order, unit_error(), later).goal, 77);
   EXPECT_EQ(choose_pruning(order, unit_error(), later).knee, choice.knee);
 }
 
 // Bug put back: a goal of at least one; seen to fail.
 TEST(PruningChoice, OfNoGaussiansNoneIsTheGoal) {
-  SizeRequest request;
-  request.gaussians = 50;
+  SizeRequest request{.gaussians = 50};
   const PruningChoice choice = choose_pruning({}, unit_error(), request);
   EXPECT_EQ(choice.goal, 0);
   EXPECT_EQ(choice.after, 0);

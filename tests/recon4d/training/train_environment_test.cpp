@@ -75,8 +75,7 @@ std::vector<double> weight_seen(const Scene& scene, const GaussianModel& truth) 
 // Bugs put back, each seen to fail: the environment left out of the forward pass of a training; its
 // steps at a hundredth of their size.
 TEST(TrainEnvironment, SkyBehindGaussiansIsFound) {
-  TinyCapture capture;
-  capture.timesteps = 2;
+  TinyCapture capture{.timesteps = 2};
   GaussianModel truth;
   const Scene scene = before_sky(capture, truth);
   TrainOptions options = sky_options();

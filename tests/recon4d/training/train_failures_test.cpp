@@ -12,18 +12,8 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/support/tiny_capture.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::Fault;
-using testing::FaultyBackend;
-using testing::first_state;
-using testing::ScratchFolder;
-using testing::state_bits;
-using testing::tiny_capture;
-using testing::tiny_options;
-using testing::TinyCapture;
-using testing::Training;
 
 struct NanCase {
   Fault fault;
@@ -71,9 +61,7 @@ TEST_P(NotANumber, StopsInThatStepAndNamesTheParameter) {
 }
 
 TEST(TrainFailures, StaticSetsAreNamedInTheirOwnWords) {
-  TinyCapture still;
-  still.timesteps = 1;
-  const Scene scene = tiny_capture(still);
+  const Scene scene = tiny_capture({.timesteps = 1});
   const TrainOptions options = tiny_options();
   FaultyBackend backend(Fault::kConic, 3);
   Training training(scene, options, first_state(scene, options), backend);
@@ -89,8 +77,7 @@ TEST(TrainFailures, StaticSetsAreNamedInTheirOwnWords) {
 
 // Bug put back: zero Gaussians are "all carved away", an error; seen to fail. (C1)
 TEST(TrainFailures, ZeroGaussiansTrainSaveAndResume) {
-  TinyCapture grey;
-  grey.background = {10, 128, 255};
+  TinyCapture grey{.background = {10, 128, 255}};
   const Scene scene = tiny_capture(grey);
   TrainOptions options = tiny_options();
   options.init_points = 0;
@@ -196,4 +183,4 @@ TEST(TrainFailures, ReportsContainTheEvents) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

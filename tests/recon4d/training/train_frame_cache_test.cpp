@@ -9,10 +9,8 @@
 #include "recon4d/training/stage_bench.h"
 #include "tests/support/separate_backend.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::SeparateMemory;
 
 constexpr int kFrames = 11;
 
@@ -221,7 +219,7 @@ TEST(FrameCache, WithoutFramesIsRefused) {
   EXPECT_EQ(refusal([&] { FrameCache(memory, scene, {}, 0, 1); }), expected);
   EXPECT_EQ(refusal([&] { FrameCache(host_memory(), scene, {}, 0, 1); }), expected);
   for (Frame& frame : scene.frames) frame.split = Split::kTest;
-  testing::SeparateBackend backend;
+  SeparateBackend backend;
   EXPECT_EQ(refusal([&] { bench_stages(backend, scene, {}, {}); }), expected);
 }
 
@@ -279,4 +277,4 @@ TEST(BatchSampler, PeekSeesWhatComes) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

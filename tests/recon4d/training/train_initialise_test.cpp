@@ -11,21 +11,12 @@
 #include "tests/support/random.h"
 #include "tests/support/tiny_capture.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::Random;
-using testing::tiny_capture;
-using testing::TinyCapture;
-using testing::Training;
 
 /// A scene whose cloud has `count` points in a ball of radius 0.7, coloured.
 Scene scene_with_cloud(int count) {
-  TinyCapture small;
-  small.cameras = 3;
-  small.timesteps = 2;
-  small.size = 8;
-  Scene scene = tiny_capture(small);
+  Scene scene = tiny_capture({.cameras = 3, .timesteps = 2, .size = 8});
   Random random(9);
   for (int i = 0; i < count; ++i) {
     scene.points.position.push_back(
@@ -40,7 +31,7 @@ Initialisation initialise(const Scene& scene, const TrainOptions& options) {
 }
 
 void expect_attributes(const Scene& scene, const GaussianSet& set, const TrainOptions& options) {
-  const std::vector<float> squared = testing::brute_force_distance(scene.points.position);
+  const std::vector<float> squared = brute_force_distance(scene.points.position);
   const GaussianSpans<const float> v = set.values();
   for (int64_t n = 0; n < set.count(); ++n) {
     const float* mean = v.at(kMean, n);
@@ -330,4 +321,4 @@ TEST(Initialise, BesideASharedStaticSetAllIsDynamic) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

@@ -9,18 +9,8 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/support/tiny_capture.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::first_state;
-using testing::model_bits;
-using testing::Random;
-using testing::ScratchFolder;
-using testing::state_bits;
-using testing::tiny_capture;
-using testing::tiny_options;
-using testing::TinyCapture;
-using testing::Training;
 
 /// Mean loss of steps [begin, end).
 double mean_loss(const Training& training, size_t begin, size_t end) {
@@ -56,11 +46,7 @@ void expect_learns(const TinyCapture& capture, double static_fraction, double fl
 }
 
 TEST(TrainLoop, StaticSceneIsLearnt) {
-  TinyCapture still;
-  still.timesteps = 1;
-  still.moving = false;
-  still.cameras = 12;
-  expect_learns(still, 0, 38);
+  expect_learns({.cameras = 12, .timesteps = 1, .moving = false}, 0, 38);
 }
 
 TEST(TrainLoop, DynamicSceneIsLearnt) {
@@ -90,9 +76,7 @@ TEST(TrainLoop, AnotherSeedAnotherModel) {
 
 // Bug put back: gradients of a splat summed in an order that depends on the threads; seen to fail.
 TEST(TrainLoop, ThreadsDoNotChangeBytes) {
-  TinyCapture capture;
-  capture.size = 32;
-  const Scene scene = tiny_capture(capture);
+  const Scene scene = tiny_capture({.size = 32});
   TrainOptions options = tiny_options();
   options.init_points = 1500;  // several tasks in every stage
   set_thread_count(1);
@@ -130,10 +114,7 @@ TEST(TrainLoop, ResumeIsBitEqual) {
 
 // Bug put back: the loss gradient is not divided by the batch; seen to fail. (C16)
 TEST(TrainLoop, BatchOfEqualViewsIsOneView) {
-  TinyCapture capture;
-  capture.cameras = 1;
-  capture.timesteps = 1;
-  const Scene scene = tiny_capture(capture);
+  const Scene scene = tiny_capture({.cameras = 1, .timesteps = 1});
   TrainOptions single = tiny_options();
   single.batch = 1;
   single.iterations = 1;
@@ -203,9 +184,7 @@ TEST(TrainLoop, WhatMasksIgnoreChangesNoByte) {
 /// One timestep is trained through Dim 3, and the model has no notion of time.
 // Bug put back: is_static of the scene is ignored by initialise_model; seen to fail. (B13)
 TEST(TrainLoop, OneTimestepIsStatic) {
-  TinyCapture still;
-  still.timesteps = 1;
-  const Scene scene = tiny_capture(still);
+  const Scene scene = tiny_capture({.timesteps = 1});
   TrainOptions options = tiny_options(), static_only = tiny_options();
   static_only.motion = Motion::kNone;
   Training a(scene, options);
@@ -224,4 +203,4 @@ TEST(TrainLoop, OneTimestepIsStatic) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

@@ -8,10 +8,8 @@
 #include "tests/recon4d/model/neighbour_distance.h"
 #include "tests/support/random.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::Random;
 
 // Bug put back: the far side of a splitting plane is never searched; seen to fail.
 TEST(NearestPoints, EqualsBruteForce) {
@@ -22,7 +20,7 @@ TEST(NearestPoints, EqualsBruteForce) {
       points.push_back({random.uniform(-1, 1), random.uniform(-3, 3), random.uniform(0, 0.01)});
     for (int i = 0; i + 1 < count / 10; ++i) points[size_t(i)] = points[size_t(count - 1)];
     const std::vector<float> found = mean_squared_neighbour_distance(points);
-    const std::vector<float> expected = testing::brute_force_distance(points);
+    const std::vector<float> expected = brute_force_distance(points);
     ASSERT_EQ(found.size(), expected.size());
     for (size_t i = 0; i < found.size(); ++i)
       EXPECT_NEAR(found[i], expected[i], 1e-6 * expected[i]) << count << " points, " << i;
@@ -62,4 +60,4 @@ TEST(NearestPoints, PointsOnAGridAndOnOneSpot) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

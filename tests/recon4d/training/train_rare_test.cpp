@@ -28,8 +28,7 @@ Camera camera_of(int index) {
 
 /// The tiny capture's still blobs, and the first of them once more at kRareAt.
 GaussianModel truth() {
-  TinyCapture still;
-  still.moving = false;
+  TinyCapture still{.moving = false};
   GaussianModel model = tiny_truth(still);
   const GaussianSet blobs = model.static_set.clone_values();
   model.static_set.resize(blobs.count() + 1);

@@ -11,15 +11,8 @@
 #include "tests/support/separate_backend.h"
 #include "tests/support/tiny_capture.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::Fault;
-using testing::FaultyBackend;
-using testing::first_state;
-using testing::SeparateBackend;
-using testing::tiny_capture;
-using testing::tiny_options;
 
 /// The calls of the observer, in order: "step 3", "density 6 static".
 struct Diary final : Observer {
@@ -129,4 +122,4 @@ TEST(TrainReports, ABadStepIsNamedAlthoughTheNextHasBegun) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

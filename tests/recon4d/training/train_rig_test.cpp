@@ -8,14 +8,8 @@
 #include "tests/support/test_scene.h"
 #include "tests/support/tiny_capture.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::look_at;
-using testing::tiny_capture;
-using testing::tiny_options;
-using testing::TinyCapture;
-using testing::Training;
 
 TEST(CameraRig, ExtentAndFocus) {
   const glm::dvec3 focus(0.5, -1, 2), eyes[] = {{4.5, -1, 2}, {0.5, 1, 2}, {-1.5, -1, 2}};
@@ -69,10 +63,7 @@ TEST(CameraRig, ParallelAxesHaveAFocusAhead) {
 
 // Bug put back: an extent of 0 is kept, so that log(0.01·E) splits and prunes all; seen to fail.
 TEST(CameraRig, OneCameraOneFrameTrains) {
-  TinyCapture capture;
-  capture.cameras = 1;
-  capture.timesteps = 1;
-  const Scene scene = tiny_capture(capture);
+  const Scene scene = tiny_capture({.cameras = 1, .timesteps = 1});
   EXPECT_EQ(make_camera_rig(scene.training_cameras()).extent, 1);
   for (bool alpha : {true, false}) {
     Scene variant = scene;
@@ -93,11 +84,11 @@ TEST(CameraRig, OneCameraOneFrameTrains) {
 TEST(CameraRig, NoTrainingFrameIsAnInputError) {
   Scene scene = tiny_capture();
   const TrainOptions options = tiny_options();
-  TrainState state = testing::first_state(scene, options);
+  TrainState state = first_state(scene, options);
   for (Frame& frame : scene.frames) frame.split = Split::kTest;
-  EXPECT_THROW(testing::first_state(scene, options), InputError);
+  EXPECT_THROW(first_state(scene, options), InputError);
   EXPECT_THROW(Training(scene, options, std::move(state)), InputError);
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

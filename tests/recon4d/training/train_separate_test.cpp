@@ -12,18 +12,8 @@
 #include "tests/support/separate_backend.h"
 #include "tests/support/tiny_capture.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::first_state;
-using testing::model_bits;
-using testing::ScratchFolder;
-using testing::SeparateBackend;
-using testing::state_bits;
-using testing::tiny_capture;
-using testing::tiny_options;
-using testing::tiny_truth;
-using testing::Training;
 
 /// Changes to tiny_options() that take other ways through the trainer.
 struct Way {
@@ -167,4 +157,4 @@ TEST(SeparateSets, CopiesKeepMomentsWhenAsked) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

@@ -10,27 +10,14 @@
 #include "tests/support/random.h"
 #include "tests/support/resume.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::expect_resumes;
-using testing::first_state;
-using testing::ScratchFolder;
-using testing::state_bits;
-using testing::tiny_capture;
-using testing::tiny_options;
-using testing::TinyCapture;
-using testing::Training;
 
 constexpr double kBase[] = {0.5, 0.4, 0.55}, kSwing[] = {0.3, -0.2, 0.1};
 
 /// Two cameras at eight timesteps before a wall of colour base + swing·cos(2πt).
 Scene changing_wall() {
-  TinyCapture capture;
-  capture.cameras = 2;
-  capture.timesteps = 8;
-  capture.size = 12;
-  Scene scene = tiny_capture(capture);
+  Scene scene = tiny_capture({.cameras = 2, .timesteps = 8, .size = 12});
   for (Frame& frame : scene.frames)
     for (size_t i = 0; i < frame.image.data.size(); ++i)
       frame.image.data[i] = uint8_t(
@@ -143,4 +130,4 @@ TEST(TrainSpherindrical, ACheckpointHasTheNumberOfLevels) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

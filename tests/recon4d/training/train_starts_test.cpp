@@ -80,8 +80,7 @@ double psnr_from(Scene scene, const PointCloud& points) {
 // B11: points of all timesteps ≥ of the first timestep > at random; what appears late costs the
 // second its place. Bug put back: points of later timesteps are dropped; seen to fail.
 TEST(TrainStarts, PointsOfAllTimestepsBeatTheFirstAndThatBeatsNone) {
-  TinyCapture capture;
-  capture.timesteps = 6;
+  TinyCapture capture{.timesteps = 6};
   const GaussianModel truth = late_truth(capture);
   const Scene scene = tiny_capture(capture, truth);
   const double random = psnr_from(scene, {});
@@ -94,9 +93,7 @@ TEST(TrainStarts, PointsOfAllTimestepsBeatTheFirstAndThatBeatsNone) {
 // B12: a held-out camera by the number of cameras that were trained on; three seeds each.
 // Bug put back: frames of the first two cameras alone are drawn; seen to fail.
 TEST(TrainStarts, MoreCamerasAreBetterAndTwoAreEnoughToFinish) {
-  TinyCapture capture;
-  capture.cameras = 17;
-  capture.size = 24;
+  TinyCapture capture{.cameras = 17, .size = 24};
   const Scene full = tiny_capture(capture);
   const auto last = full.frames.end() - capture.timesteps;
   const std::vector<Frame> held_out(last, full.frames.end());

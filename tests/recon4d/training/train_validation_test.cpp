@@ -16,19 +16,8 @@
 #include "tests/support/separate_backend.h"
 #include "tests/support/tiny_capture.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
-
-using testing::add_noise;
-using testing::backend_label;
-using testing::model_bits;
-using testing::Random;
-using testing::ScratchFolder;
-using testing::state_bits;
-using testing::tiny_capture;
-using testing::tiny_options;
-using testing::TinyCapture;
-using testing::Training;
 
 /// Frames without images.
 Scene bare_scene(int cameras, int timesteps) {
@@ -175,10 +164,7 @@ TEST(ValidationRecord, ComesBackWhole) {
 /// A capture that is soon known by heart: few noisy images, many Gaussians. The first camera is
 /// held out.
 Scene noisy_capture() {
-  TinyCapture capture;
-  capture.cameras = 4;
-  capture.timesteps = 6;
-  Scene scene = tiny_capture(capture);
+  Scene scene = tiny_capture({.cameras = 4, .timesteps = 6});
   add_noise(scene, 40, 5);
   for (size_t i = 0; i < 6; ++i) scene.frames[i].split = Split::kTest;
   return scene;
@@ -325,7 +311,7 @@ TEST(Stopping, ResumeIsBitEqual) {
   }
 }
 
-class ValidationOn : public testing::EveryBackend {};
+class ValidationOn : public EveryBackend {};
 
 // Bug put back: only the first model kept; seen to fail.
 TEST_P(ValidationOn, ChecksDoNotChangeTheTraining) {
@@ -335,9 +321,9 @@ TEST_P(ValidationOn, ChecksDoNotChangeTheTraining) {
   options.idle_updates = IdleUpdate::kSkip;
   options.stop_patience = 0;
   hold_out_validation(scene, options.validation_share, 1);
-  Training unchecked(scene, options, testing::first_state(scene, options), backend());
+  Training unchecked(scene, options, first_state(scene, options), backend());
   unchecked.run(24);
-  Training checked(scene, options, testing::first_state(scene, options), backend());
+  Training checked(scene, options, first_state(scene, options), backend());
   Validation validation(backend(), scene, options);
   checked.run(24, validation);
   EXPECT_TRUE(state_bits(checked.state().clone_to(host_memory())) ==
@@ -354,15 +340,14 @@ TEST_P(ValidationOn, ChecksDoNotChangeTheTraining) {
 }
 TESSERA_ON_EVERY_BACKEND(ValidationOn);
 
-class FrameRateOn : public testing::EveryBackend {};
+class FrameRateOn : public EveryBackend {};
 
 // D8. Bug put back: the time of no stage counted; seen to fail.
 TEST_P(FrameRateOn, IsTheBackendsOwnTime) {
   const Scene scene = tiny_capture();
   std::vector<View> views;
   for (const Frame& frame : scene.frames) views.push_back({frame.camera, frame.time});
-  const RenderRate rate =
-      measure_render_rate(backend(), testing::tiny_truth({}), views, {40, 20, 4});
+  const RenderRate rate = measure_render_rate(backend(), tiny_truth({}), views, {40, 20, 4});
   EXPECT_EQ(rate.frames, 40);
   EXPECT_EQ(rate.num_gaussians, 5);
   EXPECT_GT(rate.seconds, 0);
@@ -375,8 +360,8 @@ TEST(Stopping, AModelIsCheckedWhereItLies) {
   Scene scene = tiny_capture();
   const TrainOptions options = checked_options();
   hold_out_validation(scene, options.validation_share, 1);
-  testing::SeparateBackend backend;
-  Training training(scene, options, testing::first_state(scene, options), backend);
+  SeparateBackend backend;
+  Training training(scene, options, first_state(scene, options), backend);
   Validation validation(backend, scene, options);
   training.run(3, validation);
   training.trainer().run(4);
@@ -412,4 +397,4 @@ TEST(Stopping, ShipsTheBestWithoutWhatCannotBeDrawn) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing

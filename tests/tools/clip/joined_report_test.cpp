@@ -82,10 +82,7 @@ Scene part_of(const Scene& scene, int64_t first, int64_t last, double low, doubl
 // Bugs put back, each seen to fail: times of a window; timesteps of the last window alone. Finds
 // also: means of the means of windows of unequal length.
 TEST(JoinedScores, AreThoseOfTheWholeClip) {
-  TinyCapture capture;
-  capture.cameras = 3;
-  capture.timesteps = 5;
-  capture.moving = false;
+  TinyCapture capture{.cameras = 3, .timesteps = 5, .moving = false};
   const Scene scene = tiny_capture(capture);
   GaussianModel model = tiny_truth(capture);
   for (int64_t i = 0; i < model.static_set.count(); ++i)

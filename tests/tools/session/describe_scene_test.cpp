@@ -9,11 +9,10 @@
 #include "tests/support/scratch_folder.h"
 #include "tools/commands/describe.h"
 
-namespace tessera {
+namespace tessera::testing {
 namespace {
 
 using nlohmann::json;
-using testing::ScratchFolder;
 
 /// Twenty empty images 000000.png … in each folder.
 void write_names(const std::filesystem::path& folder, const std::vector<std::string>& cameras) {
@@ -73,4 +72,4 @@ TEST(DescribePhotos, WithAndWithoutPoses) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::testing
