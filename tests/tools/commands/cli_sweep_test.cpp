@@ -106,13 +106,20 @@ nlohmann::json options_on(const CliWorkspace& work, const std::string& scene,
   return nlohmann::json::parse(work.read("run/config.json"))["options"];
 }
 
-// Bugs put back: auto always camera; auto always none; each seen to fail.
-TEST(CliSweep, ExposureAutoFollowsTheGainsOfTheCameras) {
+// The near plane: Gaussians between the cameras and the wall show in no training image, but in
+// those of others. Bugs put back, each seen to fail: auto always camera; auto always none; the
+// depth in place of half of it; the near plane of a user replaced, too.
+TEST(CliSweep, ExposureAndNearPlaneFollowTheScene) {
   const CliWorkspace work;
   write_wall(work / "even", {.cameras = 4, .timesteps = 3, .size = 64});
   write_wall(work / "uneven", {.cameras = 4, .timesteps = 3, .size = 64, .colour = dimmed_wall});
-  EXPECT_EQ(options_on(work, "even")["exposure"], "none") << "a rig, whose cameras are equal";
-  EXPECT_EQ(options_on(work, "uneven")["exposure"], "camera");
+  const nlohmann::json even = options_on(work, "even");
+  EXPECT_EQ(even["exposure"], "none") << "a rig, whose cameras are equal";
+  EXPECT_GT(even["near_plane"], 0.4 * kWallDepth);
+  EXPECT_LT(even["near_plane"], 0.5 * kWallDepth);
+  const nlohmann::json uneven = options_on(work, "uneven", {"--near-plane", "0.25"});
+  EXPECT_EQ(uneven["exposure"], "camera");
+  EXPECT_EQ(uneven["near_plane"], 0.25);
   EXPECT_EQ(options_on(work, "uneven", {"--exposure", "none"})["exposure"], "none");
 }
 
@@ -120,7 +127,8 @@ TEST(CliSweep, ExposureAutoFollowsTheGainsOfTheCameras) {
 TEST(CliSweep, AffineColoursOfCamerasAreInAFile) {
   const CliWorkspace work;
   write_wall(work / "uneven", {.cameras = 4, .timesteps = 3, .size = 64, .colour = dimmed_wall});
-  EXPECT_EQ(options_on(work, "uneven", {"--exposure", "affine"})["exposure"], "affine");
+  EXPECT_EQ(options_on(work, "uneven", {"--exposure", "affine", "--sweep", "false"})["exposure"],
+            "affine");
   const auto exposure = nlohmann::json::parse(work.read("run/exposure.json"));
   EXPECT_EQ(exposure["by"], "affine");
   EXPECT_GE(exposure["maps"].size(), 3u) << "one of four cameras may be for tests";
@@ -129,18 +137,6 @@ TEST(CliSweep, AffineColoursOfCamerasAreInAFile) {
     EXPECT_EQ(map["matrix"][0].size(), 3u) << camera;
     EXPECT_EQ(map["offset"].size(), 3u) << camera;
   }
-}
-
-// Gaussians between the cameras and the wall show in no training image, but in those of others.
-// Bugs put back, each seen to fail: the depth in place of half of it; the near plane of a user
-// replaced, too.
-TEST(CliSweep, NearPlaneFollowsTheCloud) {
-  const CliWorkspace work;
-  write_wall(work / "wall", {.cameras = 4, .timesteps = 3, .size = 64});
-  const double near_plane = options_on(work, "wall")["near_plane"];
-  EXPECT_GT(near_plane, 0.4 * kWallDepth);
-  EXPECT_LT(near_plane, 0.5 * kWallDepth);
-  EXPECT_EQ(options_on(work, "wall", {"--near-plane", "0.25"})["near_plane"], 0.25);
 }
 
 }  // namespace

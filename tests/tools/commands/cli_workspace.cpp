@@ -1,6 +1,7 @@
 // Calls of the program and the expectations that all tests share.
 #include "tests/tools/commands/cli_workspace.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,12 +13,29 @@
 
 namespace tessera::testing {
 
+namespace {
+
+/// `tessera synth object`: a capture of `frames` training views and one in each other split.
+/// Made once by each process of tests; its bytes depend on these numbers alone.
+std::filesystem::path filmed_object(int frames, int size) {
+  static const ScratchFolder made;
+  const std::string side = std::to_string(size), name = fmt::format("{}_{}", frames, size);
+  if (std::filesystem::exists(made / name)) return made / name;
+  const ChildResult result =
+      ChildProcess({"synth", "object", "-o", made / name, "--layout", "dnerf", "--frames",
+                    std::to_string(frames), "--held-out-frames", "1", "--width", side, "--height",
+                    side, "--supersampling", "1", "--points", "50"},
+                   made.path())
+          .wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return made / name;
+}
+
+}  // namespace
+
 CliWorkspace::CliWorkspace() {
   ::setenv("XDG_CACHE_HOME", at("cache").c_str(), 1);  // nothing from other tests, nothing left
-  const ChildResult made = run({"synth", "object", "-o", at("capture"), "--layout", "dnerf",
-                                "--frames", "2", "--held-out-frames", "1", "--width", "32",
-                                "--height", "32", "--supersampling", "1", "--points", "50"});
-  EXPECT_EQ(made.exit_code, 0) << made.err;
+  film_object("capture", 2, 32);
 }
 
 ChildResult CliWorkspace::run(const std::vector<std::string>& arguments,
@@ -54,12 +72,8 @@ ChildResult CliWorkspace::train(const std::string& run_name,
 }
 
 void CliWorkspace::film_object(const std::string& name, int frames, int size) const {
-  const std::string side = std::to_string(size);
-  const ChildResult result =
-      run({"synth", "object", "-o", at(name), "--layout", "dnerf", "--frames",
-           std::to_string(frames), "--held-out-frames", "1", "--width", side, "--height", side,
-           "--supersampling", "1", "--points", "50"});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  std::filesystem::copy(filmed_object(frames, size), folder_ / name,
+                        std::filesystem::copy_options::recursive);
 }
 
 void CliWorkspace::expect_refused(const std::vector<std::string>& arguments,

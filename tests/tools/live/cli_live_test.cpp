@@ -80,7 +80,7 @@ TEST(CliLive, AViewedTrainingIsShownAndStopsOnRequest) {
 
 TEST(CliLive, WatchedOrNotItIsTheSameTraining) {
   const CliWorkspace work;
-  const std::vector<std::string> longer = {"--iterations", "1000"};  // viewed after 1 s
+  const std::vector<std::string> longer = {"--iterations", "3000"};
   const ScratchFolder scratch;
   ChildProcess child(work.train_arguments("watched", longer), scratch.path());
   Watcher watcher(work / "watched");
