@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -27,12 +28,11 @@ int reference(const CLI::App& app, const ReferenceRequest& request) {
   if (form == "markdown" || form == "man") {
     if (request.folder.empty())
       throw InputError(fmt::format("reference {}: name the output folder", form));
-    std::filesystem::create_directories(request.folder);
-    if (form == "man") {
-      write_man_pages(commands, request.folder);
-    } else {
-      write_text_file(std::filesystem::path(request.folder) / "cli.md", cli_page(commands));
-      write_text_file(std::filesystem::path(request.folder) / "presets.md", presets_page());
+    for (const auto& [page, text] :
+         form == "man" ? man_pages(commands) : markdown_pages(commands)) {
+      const std::filesystem::path path = std::filesystem::path(request.folder) / page;
+      std::filesystem::create_directories(path.parent_path());
+      write_text_file(path, text);
     }
     return kExitDone;
   }

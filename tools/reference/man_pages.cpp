@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "ingest/files/atomic_file.h"
 #include "tools/reference/reference.h"
 #include "tools/session/version.h"
 
@@ -76,11 +75,11 @@ std::string program_page(const std::vector<CommandReference>& commands) {
 
 }  // namespace
 
-void write_man_pages(const std::vector<CommandReference>& commands,
-                     const std::filesystem::path& folder) {
-  write_text_file(folder / "tessera.1", program_page(commands));
+ReferencePages man_pages(const std::vector<CommandReference>& commands) {
+  ReferencePages pages = {{"tessera.1", program_page(commands)}};
   for (const CommandReference& command : commands)
-    write_text_file(folder / ("tessera-" + command.name + ".1"), command_page(command));
+    pages["tessera-" + command.name + ".1"] = command_page(command);
+  return pages;
 }
 
 }  // namespace tessera

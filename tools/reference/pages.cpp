@@ -43,7 +43,11 @@ std::string choices_text(const OptionReference& option) {
   return names.empty() ? "" : fmt::format(" One of {}.", fmt::join(names, ", "));
 }
 
-std::string command_section(const CommandReference& command) {
+constexpr const char* kMade =
+    "<!-- Made by `tessera reference markdown docs/reference`; edit the sources, not this page. "
+    "-->\n\n";
+
+std::string command_page(const CommandReference& command) {
   std::string arguments, rows;
   bool has_training = false;
   for (const OptionReference& option : command.options) {
@@ -58,60 +62,48 @@ std::string command_section(const CommandReference& command) {
                         choices_text(option), required,
                         option.defaults.empty() ? "" : code(option.defaults));
   }
-  std::string text = fmt::format("## tessera {}\n\n{}.\n\n```sh\ntessera {}{} [options]\n```\n\n",
-                                 command.name, command.doc, command.name, arguments);
-  if (!rows.empty()) text += "| option | meaning | default |\n|---|---|---|\n" + rows + "\n";
-  if (has_training) text += "All [training options](#training-options) apply, too.\n\n";
-  return text;
+  std::string text = fmt::format("{}# tessera {}\n\n{}.\n\n```sh\ntessera {}{} [options]\n```\n",
+                                 kMade, command.name, command.doc, command.name, arguments);
+  if (has_training) text += "\nAll [training options](../training-options.md) apply, too.\n";
+  return text + "\n| option | meaning | default |\n|---|---|---|\n" + rows;
 }
 
-std::string training_section() {
-  std::vector<std::string> groups;
-  for (const TrainOption& row : train_option_table())
-    if (std::find(groups.begin(), groups.end(), row.group) == groups.end())
-      groups.emplace_back(row.group);
-  std::string text =
-      "## Training options\n\n"
+std::string training_page() {
+  std::string text = kMade, group;
+  text +=
+      "# Training options\n\n"
       "These options apply to `train`, `run` and `batch`, and by their names with underscores in "
       "`--config FILE.json`. Counts take `k` and `M` (`10k`), sizes take `kB`, `MB` and `MiB`, "
       "choices are compared without regard to case. A switch `--x` has the twin `--no-x`.\n\n"
-      "The default is that of `balanced`; presets that differ follow after the semicolon.\n\n";
-  for (const std::string& group : groups) {
-    text += fmt::format(
-        "### {}\n\n| option | meaning | range | default | source |\n|---|---|---|---|---|\n",
-        group);
-    for (const TrainOption& row : train_option_table()) {
-      if (row.group != group) continue;
-      const std::string placeholder = option_placeholder(row);
-      const std::string name = "--" + dashed(row.key);
-      std::string range = option_range(row);
-      if (const auto choices = row.choices(); !choices.empty())
-        range = fmt::format("{}", fmt::join(choices, ", "));
-      text += fmt::format("| {} | {}. | {} | {} | {} |\n",
-                          row.is_switch() ? fmt::format("`{0}`, `--no-{1}`", name, dashed(row.key))
-                          : row.choices().empty() ? code(name + " " + placeholder)
-                                                  : code(name),
-                          cell(row.doc), cell(range), cell(default_text(row)), cell(row.source));
-    }
-    text += "\n";
+      "The default is that of `balanced`; presets that differ follow after the semicolon.\n";
+  for (const TrainOption& row : train_option_table()) {
+    if (row.group != group)
+      text += fmt::format(
+          "\n## {}\n\n| option | meaning | range | default | source |\n|---|---|---|---|---|\n",
+          group = row.group);
+    const std::string name = "--" + dashed(row.key);
+    std::string range = option_range(row);
+    if (const auto choices = row.choices(); !choices.empty())
+      range = fmt::format("{}", fmt::join(choices, ", "));
+    text += fmt::format("| {} | {}. | {} | {} | {} |\n",
+                        row.is_switch() ? fmt::format("`{0}`, `--no-{1}`", name, dashed(row.key))
+                        : row.choices().empty() ? code(name + " " + option_placeholder(row))
+                                                : code(name),
+                        cell(row.doc), cell(range), cell(default_text(row)), cell(row.source));
   }
   return text;
 }
-
-constexpr const char* kMade =
-    "<!-- Made by `tessera reference markdown docs/reference`; edit the sources, not this page. "
-    "-->\n\n";
-
-}  // namespace
 
 std::string cli_page(const std::vector<CommandReference>& commands) {
   std::string text = kMade;
   text +=
       "# Commands and options\n\n"
       "Results go to standard output, messages to standard error. `tessera COMMAND --help` shows "
-      "the options that are used often, `--help-all` shows all of them.\n\n";
-  for (const CommandReference& command : commands) text += command_section(command);
-  return text + training_section();
+      "what is used often, `--help-all` also the rest and [training options](training-options.md)."
+      "\n\n| command | what it does |\n|---|---|\n";
+  for (const CommandReference& command : commands)
+    text += fmt::format("| [`{0}`](commands/{0}.md) | {1} |\n", command.name, cell(command.doc));
+  return text;
 }
 
 std::string presets_page() {
@@ -187,6 +179,17 @@ std::string presets_page() {
     text += fmt::format("| `--{}` | {} |\n", dashed(row.key),
                         code(plain_text(option_value(defaults, row))));
   return text;
+}
+
+}  // namespace
+
+ReferencePages markdown_pages(const std::vector<CommandReference>& commands) {
+  ReferencePages pages = {{"cli.md", cli_page(commands)},
+                          {"training-options.md", training_page()},
+                          {"presets.md", presets_page()}};
+  for (const CommandReference& command : commands)
+    pages["commands/" + command.name + ".md"] = command_page(command);
+  return pages;
 }
 
 }  // namespace tessera

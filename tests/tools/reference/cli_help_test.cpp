@@ -36,12 +36,9 @@ std::string entry_of(const std::string& help, const std::string& name) {
   while (std::getline(lines, line)) {
     const bool begins = line.starts_with("  -");
     if (!entry.empty() && (begins || line.empty())) return entry;
-    if (begins && (line + " ").find(" " + name + " ") != std::string::npos)
-      entry = line + "\n";
-    else if (begins && line.find(" " + name + ",") != std::string::npos)
-      entry = line + "\n";
-    else if (!entry.empty())
-      entry += line + "\n";
+    const bool is_it = (line + " ").find(" " + name + " ") != std::string::npos ||
+                       line.find(" " + name + ",") != std::string::npos;
+    if ((begins && is_it) || !entry.empty()) entry += line + "\n";
   }
   return entry;
 }
@@ -60,8 +57,7 @@ TEST(CliHelp, FitsAScreenAndShowsDefaults) {
                     all = output(work, {"train", "--help-all"});
   for (const TrainOption& row : train_option_table()) {
     const std::string entry = entry_of(all, dashed(row.key));
-    EXPECT_NE(entry.find('['), std::string::npos) << row.key << "\n" << entry;
-    EXPECT_NE(entry.find(']'), std::string::npos) << row.key << "\n" << entry;
+    EXPECT_NE(entry.find(']', entry.find('[')), std::string::npos) << row.key << "\n" << entry;
   }
   EXPECT_NE(entry_of(help, "--iterations").find("[7000]"), std::string::npos) << help;
   EXPECT_NE(entry_of(all, "--iterations").find("7000; fast 2000"), std::string::npos) << all;
@@ -115,22 +111,26 @@ TEST(CliHelp, ReferenceStatesEveryOption) {
   EXPECT_EQ(reference["train_options"].size(), train_option_table().size());
   for (const json& row : reference["train_options"])
     EXPECT_TRUE(row["defaults"].contains("balanced")) << row;
-  bool has_presets = false;
-  for (const json& command : reference["commands"])
-    for (const json& option : command["options"])
-      if (command["name"] == "train" && option["names"][0] == "--preset")
-        has_presets = option["choices"].size() == presets().size();
-  EXPECT_TRUE(has_presets);
+  json names;
+  for (const Preset& preset : presets()) names.push_back(preset.name);
+  EXPECT_NE(reference.dump().find("\"choices\":" + names.dump()), std::string::npos);
 }
 
-// Fails when an option changes and the pages are not made again.
+// Bugs put back: a stale page of a command; a command missing in mkdocs.yml; each seen to fail.
 TEST(CliHelp, PagesAreThoseOfTheProgram) {
   const CliWorkspace work;
+  const std::filesystem::path source = TESSERA_SOURCE_DIR, folder = source / "docs/reference";
   output(work, {"reference", "markdown", work.at("pages")});
-  for (const char* page : {"cli.md", "presets.md"})
-    EXPECT_EQ(read_text_file(work / ("pages/" + std::string(page))),
-              read_text_file(std::filesystem::path(TESSERA_SOURCE_DIR) / "docs/reference" / page))
+  const std::string site = read_text_file(source / "mkdocs.yml");
+  for (const auto& made : std::filesystem::recursive_directory_iterator(work / "pages")) {
+    if (made.is_directory()) continue;
+    const std::string page = made.path().lexically_relative(work / "pages");
+    EXPECT_EQ(read_text_file(made), read_text_file(folder / page))
         << "run `tessera reference markdown docs/reference`";
+    EXPECT_NE(site.find(": reference/" + page + "\n"), std::string::npos) << page;
+  }
+  for (const auto& page : std::filesystem::directory_iterator(folder / "commands"))
+    EXPECT_TRUE(exists(work / "pages/commands" / page.path().filename())) << page << " is stale";
 }
 
 // Bug put back: dashes not escaped; seen to fail in groff's check.
