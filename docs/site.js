@@ -22,8 +22,6 @@
         if (!content.hasChildNodes()) cell.dataset.empty = '';
         cell.append(content);
       });
-    for (const code of table.querySelectorAll('code'))
-      if (code.textContent.length > kLongCode) code.dataset.long = '';
   }
 
   function isTooWide(table) {
@@ -45,6 +43,8 @@
     const tables = [...document.querySelectorAll('.md-content__inner table:not([class])')]
                        .filter((table) => columnsOf(table) > 0);
     tables.forEach(prepare);
+    for (const code of document.querySelectorAll('.md-content__inner code'))
+      if (code.textContent.length > kLongCode) code.dataset.long = '';
     fit(tables);
     addEventListener('load', () => fit(tables));
     addEventListener('resize', () => fit(tables));
