@@ -1,5 +1,5 @@
-// The names and definitions of the scores that not every view has, one row each: means, JSON and its
-// definitions walk over them.
+// The names and definitions of the scores that not every view has, one row each: means, JSON and
+// its definitions walk over them.
 #pragma once
 #include "recon4d/evaluation/evaluate.h"
 

@@ -20,14 +20,6 @@ struct Advice {
 constexpr Advice kAdvice[] = {
     {"run", "--resume", "run resumes by itself: repeat the command"},
     {"batch", "--resume", "batch resumes by itself: repeat the command"},
-    {"bench", "--chart",
-     "charts are made by `tessera batch SCENES --preset fast,balanced --steps 1000,3000 -o DIR`"},
-    {"bench", "--curve",
-     "curves are made by `tessera batch SCENES --preset fast,balanced --steps 1000,3000 -o DIR`"},
-    {"bench", "--sizes",
-     "sizes are compared by `tessera batch SCENES --preset balanced --budgets 50000,200000 -o "
-     "DIR`"},
-    {"bench", "--table", "tables are made by `tessera batch SCENES --table NAME -o DIR`"},
 };
 
 struct OtherName {
@@ -170,10 +162,6 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   if (parsed.empty()) return without_command(app);
   const CLI::App& command = *parsed.front();
   const std::vector<std::string> rest = command.remaining();
-  // the first that something is known of, as it may explain the others
-  for (const std::string& word : rest)
-    if (!usage_advice(command.get_name(), word.substr(0, word.find('='))).empty())
-      return unknown_option(app, command, word);
   if (!rest.empty()) return unknown_option(app, command, rest.front());
   return fmt::format("tessera {}: {}; see tessera {} --help", command.get_name(),
                      value_message(command, error), command.get_name());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -215,21 +216,14 @@ TEST(CliUsage, ConfigFiles) {
   EXPECT_FALSE(fs::exists(work / "run"));
 }
 
-// Bugs put back, each seen to fail: the first unknown word alone is looked up; no advice.
-TEST(CliUsage, RemovedModesOfBenchNameTheBatch) {
+// Bug put back: OpenImageIO linked, whose libraries every start of the program loads; seen to fail.
+TEST(CliUsage, LibrariesOfImagesAreNotLoadedAtTheStart) {
   const CliWorkspace work;
-  const auto refused = [&](const std::vector<std::string>& words, const std::string& batch) {
-    std::vector<std::string> arguments{"bench", work.at("capture")};
-    arguments.insert(arguments.end(), words.begin(), words.end());
-    work.expect_refused(arguments, {"bench", " by `tessera batch SCENES " + batch + " -o DIR`"});
-  };
-  refused({"--chart"}, "--preset fast,balanced --steps 1000,3000");
-  refused({"--presets", "fast", "--seeds", "1", "--chart", "-o", work.at("out")},
-          "--preset fast,balanced --steps 1000,3000");
-  refused({"--curve", "--at", "100"}, "--preset fast,balanced --steps 1000,3000");
-  refused({work.at("capture"), "--sizes"}, "--preset balanced --budgets 50000,200000");
-  refused({"--table=mcmc"}, "--table NAME");
-  work.expect_refused({"bench", "--table", "mcmc"}, {"tessera batch SCENES --table NAME"});
+  ::setenv("LD_TRACE_LOADED_OBJECTS", "1", 1);
+  const ChildResult libraries = work.run({"version"});
+  ::unsetenv("LD_TRACE_LOADED_OBJECTS");
+  EXPECT_NE(libraries.out.find("libc.so"), std::string::npos) << libraries.err;
+  EXPECT_EQ(libraries.out.find("OpenImageIO"), std::string::npos);
 }
 
 }  // namespace
