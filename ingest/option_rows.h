@@ -60,10 +60,12 @@ void for_each_ingest_option(Options& o, Visit&& visit) {
   visit("--keep-world", o.keep_world,
         "leave the poses' world as it is; default: up, centre and scale are normalised where the "
         "world is arbitrary (all but transforms)");
-  visit("--cloud", o.cloud,
-        "initial points: none, sparse (the capture's, else COLMAP's), dense (and a plane sweep); "
-        "default: dense where three training cameras share timesteps; none where frames stay in "
-        "videos, as each training makes its own");
+  visit(
+      "--cloud", o.cloud,
+      "initial points: none (nor in the training of `run`), sparse (the capture's, else COLMAP's), "
+      "dense (and a plane sweep); "
+      "default: dense where three training cameras share timesteps; none where frames stay in "
+      "videos, as each training makes its own");
   visit("--cloud-points", o.cloud_points, "largest number of points of the plane sweep");
 }
 

@@ -41,7 +41,7 @@ inline const std::vector<BannedWord> kBannedWords = {
     {R"(\bMarkov chain\b)", "MCMC densification", {"docs/development/bibliography.md"}},
     {R"(\bset aside\b)", "validation frames; exclude, skip"},
     {R"(\bbegins anew\b)", "restarts"},
-    {R"(\bfrontiers?\b)", "Pareto front", {"tools/bench/", "tests/tools/bench/"}},  // a JSON key
+    {R"(\bfrontiers?\b)", "Pareto front"},
     {R"(\b(own|mine|there|at|of) = )", "a noun"},
     {R"(\bpictures?\b)",
      "image (file), frame (of a video), view (rendered)",
@@ -56,7 +56,7 @@ inline const std::vector<BannedWord> kBannedWords = {
      {"tools/batch/", "tools/camera_paths/", "tools/commands/", "tools/session/"}},
     {R"(\bgoes on\b)",
      "resumes, continues",
-     {"tools/bench/", "tools/commands/", "tools/session/", "tests/tools/commands/"}},
+     {"tools/commands/", "tools/session/", "tests/tools/commands/"}},
     {R"(\bmended\b)", "fixed"},
     {R"(\bthe program (says|knows|wants|looks)\b)", "reports, has, requires, reads"},
     {R"(\bmoments?\b)", "timestep, time, timestamp", kOfAdam},

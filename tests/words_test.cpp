@@ -109,7 +109,7 @@ TEST(Words, KeysAndAdamsMomentsStay) {
   EXPECT_NE(complaint("tools/a.cpp", "// the moments of a clip"), "");
   EXPECT_NE(complaint("tools/a.cpp", "say(\"the pictures are small\");"), "");
   EXPECT_NE(complaint("docs/a.md", "Training goes on."), "");
-  EXPECT_EQ(complaint("tools/bench/a.h", "// Training goes on."), "");
+  EXPECT_EQ(complaint("tools/commands/a.h", "// Training goes on."), "");
 }
 
 }  // namespace

@@ -27,6 +27,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A run without initial points makes none in its training either, unless that is told to.
+void apply_cloud_to_training(RunRequest& request) {
+  if (resolve_ingest(request.ingest).cloud == CloudDensity::kNone)
+    request.training.given.try_emplace("sweep", "false");
+}
+
 /// What can be refused before anything is written, and not only after hours.
 void check_request(const RunRequest& request) {
   const fs::path& capture = request.capture;
@@ -66,15 +72,16 @@ void add_run_command(CLI::App& app, Work& work) {
                      "description of the player's page, for sites where its address is posted");
   command.add_flag("--overwrite", request->overwrite,
                    "what is there of another request becomes OUT.1; the run starts anew");
-  command.add_flag("--view", request->view, "show the training in a browser: tessera view OUT");
+  add_view_options(command, request->view);
   command.add_flag("--json", request->json_output, "print one JSON object");
   request->training.evaluate_every = kNeverEvaluate;  // a stage of its own scores the model
   add_train_options(command, request->training);
   command.callback([request, &work] {
     work = [request] {
       set_thread_count(request->training.threads);
-      if (request->view) require_view_server();
+      if (request->view.view) require_view_server();
       check_request(*request);
+      apply_cloud_to_training(*request);
       std::unique_ptr<ViewChild> view;
       const std::optional<nlohmann::json> result = run_stages(*request, view);
       const int code = stop_code();  // a signal that ends the view later does not count

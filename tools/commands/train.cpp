@@ -56,7 +56,8 @@ std::string stopped_text(const TrainRequest& request, const nlohmann::json& resu
 struct Parsed {
   TrainRequest request;
   TrainArguments arguments;
-  bool json = false, view = false, overwrite = false;
+  bool json = false, overwrite = false;
+  ViewOptions view;
   std::string resume, window, windows = "none", time_limit;
   int64_t stop_after = 0, gpus = 1;
 };
@@ -77,7 +78,7 @@ std::optional<int> train_in_windows(const Parsed& parsed, const std::string& fil
   for (const auto& [given, name] : {std::pair{!parsed.window.empty(), "--window"},
                                     {!request.static_model.empty(), "--static-model"},
                                     {parsed.resume == "true", "--resume"},
-                                    {parsed.view, "--view"},
+                                    {parsed.view.view, "--view"},
                                     {parsed.stop_after > 0, "--stop-after"}})
     if (given)
       throw InputError(fmt::format(
@@ -118,7 +119,8 @@ int train_and_report(TrainRequest request, const Parsed& parsed) {
     }
     std::unique_ptr<ViewChild> view;
     LiveTraining live(terminal, request.run, [&] {
-      if (parsed.view) view = std::make_unique<ViewChild>(request.run, resumed_by(request));
+      if (parsed.view.view)
+        view = std::make_unique<ViewChild>(request.run, resumed_by(request), parsed.view);
     });
     request.snapshots = &live;
     const nlohmann::json result =
@@ -160,12 +162,12 @@ void add_train_command(CLI::App& app, Work& work) {
   add_gpus_option(command, parsed->gpus);
   command.add_option("--static-model", parsed->request.static_model,
                      "run folder whose static Gaussians all windows share");
-  command.add_flag("--view", parsed->view, "show the training in a browser: tessera view RUN");
+  add_view_options(command, parsed->view);
   command.add_flag("--json", parsed->json, "print one JSON object");
   add_train_options(command, parsed->arguments);
   command.callback([parsed, &work] {
     work = [parsed] {
-      if (parsed->view) require_view_server();
+      if (parsed->view.view) require_view_server();
       TrainRequest& request = parsed->request;
       request.resume = parsed->resume == "true";
       request.stopwatch = running_stopwatch();

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <vector>
 
 #include "kernels/base/errors.h"
 #include "tools/cli/background_program.h"
@@ -34,14 +35,21 @@ std::string read_line(int descriptor) {
 
 }  // namespace
 
-ViewChild::ViewChild(const std::filesystem::path& shown, const std::string& resumed_by) {
+void add_view_options(CLI::App& command, ViewOptions& options) {
+  command.add_flag("--view", options.view,
+                   "show the training in a browser: tessera view of the output");
+  command.add_flag("--no-browser", options.no_browser, "with --view: print the address only");
+}
+
+ViewChild::ViewChild(const std::filesystem::path& shown, const std::string& resumed_by,
+                     const ViewOptions& options) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) == 0) {
     from_view_ = OpenFile(ends[0]);
     const OpenFile of_child(ends[1]);
-    child_ = start_in_background("/proc/self/exe",
-                                 {"tessera", "view", shown.string(), "--resumed-by", resumed_by},
-                                 {.output = ends[1]});
+    std::vector<std::string> words{"tessera", "view", shown.string(), "--resumed-by", resumed_by};
+    if (options.no_browser) words.push_back("--no-browser");
+    child_ = start_in_background("/proc/self/exe", words, {.output = ends[1]});
   }
   if (child_ < 0)
     throw InputError(

@@ -47,7 +47,7 @@ constexpr const char* kMade =
     "<!-- Made by `tessera reference markdown docs/reference`; edit the sources, not this page. "
     "-->\n\n";
 
-std::string command_page(const CommandReference& command) {
+std::string page_of_command(const CommandReference& command) {
   std::string arguments, rows;
   bool has_training = false;
   for (const OptionReference& option : command.options) {
@@ -188,7 +188,7 @@ ReferencePages markdown_pages(const std::vector<CommandReference>& commands) {
                           {"training-options.md", training_page()},
                           {"presets.md", presets_page()}};
   for (const CommandReference& command : commands)
-    pages["commands/" + command.name + ".md"] = command_page(command);
+    pages["commands/" + command.name + ".md"] = page_of_command(command);
   return pages;
 }
 

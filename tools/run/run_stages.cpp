@@ -181,7 +181,7 @@ class Runner {
   bool train_windows_of_scene(json inputs) {
     inputs[kWindows] = windows_;
     const fs::path plan = WindowsFolder{run_.root}.plan_file();
-    if (request_.view)
+    if (request_.view.view)
       warn(kTrain.message(fmt::format(": --view is of one training; of a window: tessera view {}",
                                       WindowsFolder{run_.root}.window_run(0).string())));
     return stages_.done(kTrain, inputs, plan, [&]() -> std::optional<json> {
@@ -213,8 +213,8 @@ class Runner {
     return stages_.done(kTrain, inputs, run_.model(), [&]() -> std::optional<json> {
       TrainingTerminal terminal;
       LiveTraining live(terminal, run_.root, [&] {
-        if (request_.view && !view_)
-          view_ = std::make_unique<ViewChild>(request_.out, repeated_command());
+        if (request_.view.view && !view_)
+          view_ = std::make_unique<ViewChild>(request_.out, repeated_command(), request_.view);
       });
       TrainRequest asked;
       asked.scene = scene_;

@@ -25,7 +25,7 @@ struct RunRequest {
   int64_t gpus = 1;                // cards that train windows at once
   bool overwrite = false;          // a run of another request becomes OUT.1
   bool json_output = false;
-  bool view = false;  // in a browser, from the first step on
+  ViewOptions view;
 };
 
 /// Runs what is to be done and returns the results of all stages: those of evaluate at the top

@@ -135,7 +135,8 @@ TEST_F(CliRun, ARefusalNamesWhatDiffers) {
   expect_refused({"--readout", "16ms,cam01=-8ms"}, "readout default → 0.016,cam01=-0.008");
 }
 
-// Bugs put back, each seen to fail: ingested again; the scene moved, so that the old run has none.
+// Bugs put back, each seen to fail: ingested again; the scene moved, so that the old run has none;
+// a training that sweeps for the points that --cloud none leaves out.
 TEST_F(CliRun, ARunThatReplacesOneTakesItsScene) {
   TESSERA_SKIP_WITHOUT_INGEST();
   const std::vector<std::string> ingested{"--cloud", "none", "--overwrite", "--export-frames", "2"};
@@ -146,6 +147,7 @@ TEST_F(CliRun, ARunThatReplacesOneTakesItsScene) {
   };
   ASSERT_EQ(with_seed("1").exit_code, 0);
   ASSERT_TRUE(fs::exists(work / "out/scene/transforms.json"));
+  EXPECT_EQ(nlohmann::json::parse(work.read("out/run/config.json"))["options"]["sweep"], false);
   const ChildResult again = with_seed("9");
   EXPECT_EQ(begun(again), from("train")) << again.err;
   EXPECT_TRUE(

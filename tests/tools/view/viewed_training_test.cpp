@@ -103,10 +103,15 @@ class ViewedTraining : public ::testing::Test {
 };
 
 // Finds: the page never learns that its training has stopped; a training that it stops is
-// interrupted by hand (130).
+// interrupted by hand (130); a browser that is looked for with --no-browser.
 TEST_F(ViewedTraining, ItsPageStopsItAndSaysHowItIsResumed) {
-  const Words words = command("train", "run", {"--view", "--iterations", "1000000"});
+  ::setenv("DISPLAY", ":99", 1);
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", work.at("nothing").c_str(), 1);
+  const Words words =
+      command("train", "run", {"--view", "--no-browser", "--iterations", "1000000"});
   ChildProcess child(words, scratch.path());
+  ::setenv("PATH", path.c_str(), 1);
   const Page page = shown(child);
   EXPECT_TRUE(has(child, "view: Ctrl-C stops the training with a checkpoint and ends the view\n"));
   const json state = stopped(child, page);
@@ -118,6 +123,7 @@ TEST_F(ViewedTraining, ItsPageStopsItAndSaysHowItIsResumed) {
   EXPECT_EQ(state["stopped"]["total"], 1000000);
   const ChildResult ended = child.wait();
   EXPECT_EQ(ended.exit_code, 75) << ended.err;
+  EXPECT_EQ(ended.err.find("xdg-open"), std::string::npos) << ended.err;
   EXPECT_NE(ended.out.find("resume with: " + by_hand), std::string::npos) << ended.out;
 }
 
