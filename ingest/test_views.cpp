@@ -9,6 +9,7 @@
 #include <numeric>
 #include <vector>
 
+#include "kernels/base/counted.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -115,7 +116,7 @@ std::string TestViews::text_of(const char* split, int64_t Counts::*views) const 
   const char* noun = names.size() == 1 ? "camera" : single_views ? "images" : "cameras";
   std::string cameras = fmt::format("{} {}", noun, listed_names(names));
   if (held_out < frames) cameras = fmt::format("{} of the {} of {}", held_out, frames, cameras);
-  return fmt::format("{} {} view{} ({})", held_out, split, held_out == 1 ? "" : "s", cameras);
+  return fmt::format("{} ({})", counted(held_out, fmt::format("{} view", split)), cameras);
 }
 
 std::string TestViews::text() const {

@@ -7,7 +7,8 @@
 namespace tessera {
 
 std::unique_ptr<Backend> make_cuda_backend(int) {
-  throw DeviceError("this build has no CUDA backend; pass --backend cpu");
+  throw DeviceError(
+      "this build has no CUDA backend (cmake --preset release-cuda makes one); pass --backend cpu");
 }
 
 CudaProbe probe_cuda(int) {

@@ -42,9 +42,9 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
 
 /// Lines of C++ and CUDA that each top folder may have. A feature names what it replaces, or raises
 /// the number in the commit that brings it; a cut lowers it.
-inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13679}, {"ingest", 26952},
+inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13693}, {"ingest", 26953},
                                                          {"recon4d", 12724}, {"static3d", 8174},
-                                                         {"tools", 24825},   {"tests", 58983}};
+                                                         {"tools", 24866},   {"tests", 59001}};
 
 /// Where CUDA may be used; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",

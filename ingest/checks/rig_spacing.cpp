@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "kernels/base/camera_rig.h"
+#include "kernels/base/counted.h"
 
 namespace tessera {
 namespace {
@@ -72,8 +73,7 @@ std::optional<Finding> expected_views(const std::vector<Station>& stations, bool
   if (held_out) advice += "; --held-out none trains with all that filmed, and scores none";
   return Finding{
       row->severity, "coverage", "",
-      fmt::format("{} training camera{}{}: expect new views of {}", rig.cameras,
-                  rig.cameras == 1 ? "" : "s",
+      fmt::format("{}{}: expect new views of {}", counted(rig.cameras, "training camera"),
                   rig.angle > 0 ? fmt::format(", neighbours {:.0f} degrees apart", rig.angle) : "",
                   row->psnr),
       std::move(advice)};

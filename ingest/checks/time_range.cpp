@@ -11,6 +11,7 @@
 
 #include "ingest/checks/stations.h"
 #include "ingest/test_views.h"
+#include "kernels/base/counted.h"
 #include "kernels/base/median.h"
 
 namespace tessera {
@@ -110,13 +111,13 @@ SceneTimes check_times(const Scene& scene, bool in_seconds) {
   // A camera of several poses moves, and the times of its splits may differ.
   const bool rig = stations_of(scene).size() == of_camera.size();
   if (!range.is_static && rig) judge_cameras(range);
-  range.findings.push_back({Severity::kInfo, "time", "",
-                            fmt::format("{} timestep{} of {} camera{}, {} {:.4g}{}",
-                                        range.timesteps, range.timesteps == 1 ? "" : "s",
-                                        range.cameras.size(), range.cameras.size() == 1 ? "" : "s",
-                                        in_seconds ? "over" : "times as stated, from first to last",
-                                        range.duration, in_seconds ? " s" : ""),
-                            ""});
+  range.findings.push_back(
+      {Severity::kInfo, "time", "",
+       fmt::format("{} of {}, {} {:.4g}{}", counted(range.timesteps, "timestep"),
+                   counted(int64_t(range.cameras.size()), "camera"),
+                   in_seconds ? "over" : "times as stated, from first to last", range.duration,
+                   in_seconds ? " s" : ""),
+       ""});
   return range;
 }
 

@@ -12,6 +12,7 @@
 #include "ingest/images/image_paths.h"
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/test_views.h"
+#include "kernels/base/counted.h"
 #include "kernels/base/lower_case.h"
 
 namespace tessera {
@@ -42,10 +43,6 @@ fs::path folder_of_masks(const fs::path& folder, const std::string& camera) {
        {direct, inner(direct, "masks"), inner(subfolder(folder, "masks"), camera)})
     if (!place.empty() && !images_in(place).empty()) return place;
   return {};
-}
-
-std::string counted(size_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "ingest/images/image_names.h"
 #include "ingest/images/listing.h"
 #include "ingest/test_views.h"
+#include "kernels/base/counted.h"
 #include "kernels/base/lower_case.h"
 
 namespace tessera {
@@ -116,7 +117,7 @@ UnreadFiles unread_files(const fs::path& capture, const std::set<fs::path>& take
   for (const auto& [folder, count] : folders_of_images(capture, files, taken)) {
     const bool is_camera = of_clips && is_camera_name(fs::path(folder).filename().string());
     (is_camera ? cameras : folders)
-        .push_back(fmt::format("{} ({} image{})", folder, count, count == 1 ? "" : "s"));
+        .push_back(fmt::format("{} ({})", folder, counted(int64_t(count), "image")));
   }
   if (!cameras.empty())
     unread.warnings.push_back(fmt::format(

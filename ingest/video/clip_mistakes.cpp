@@ -11,6 +11,7 @@
 #include "ingest/files/fnv1a.h"
 #include "ingest/test_views.h"
 #include "ingest/video/clip_frames.h"
+#include "kernels/base/counted.h"
 #include "kernels/base/median.h"
 
 namespace tessera {
@@ -86,9 +87,9 @@ std::string shifted_numbers(const std::vector<RigClip>& clips) {
       if (first != usual->first)
         return fmt::format(
             "the images of {} are numbered from {}, as many of {} from {}: they count as taken {} "
-            "number{} {}; if they were taken together, number them alike or pass --offsets",
+            "{}; if they were taken together, number them alike or pass --offsets",
             listed_names(cameras), first, listed_names(usual->second), usual->first,
-            std::abs(first - usual->first), std::abs(first - usual->first) == 1 ? "" : "s",
+            counted(std::abs(first - usual->first), "number"),
             first > usual->first ? "later" : "earlier");
   }
   return "";

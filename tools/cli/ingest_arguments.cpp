@@ -25,6 +25,7 @@
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/terminal.h"
 #include "tools/session/locks.h"
+#include "tools/session/model_scene.h"
 
 namespace tessera {
 namespace {
@@ -187,6 +188,7 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
 }
 
 void require_one_capture(const std::filesystem::path& folder, const IngestOptions& options) {
+  refuse_trained(folder, "capture");
   if (!is_folder_of_captures(folder, options.image_layout)) return;
   const bool may_be_rig = find_video_folders(folder).cameras.size() > 1 ||
                           find_image_sequences(folder).cameras.size() > 1;

@@ -20,7 +20,8 @@ struct IngestArguments {
 void add_ingest_options(CLI::App& command, IngestArguments& arguments);
 /// Checks what was typed and turns words into values. Errors: InputError.
 IngestOptions resolve_ingest(const IngestArguments& arguments);
-/// Errors: InputError that names the captures in `folder`, where it holds some and is none itself.
+/// Errors: InputError that names the captures in `folder`, where it holds some and is none itself,
+/// or what a training wrote there.
 void require_one_capture(const std::filesystem::path& folder, const IngestOptions& options);
 /// Everything that changes the prepared scene, with the stamps of the files that are named: what
 /// keys of finished work are made of.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_file.h"
@@ -34,9 +35,12 @@ fs::path model_file_of(const fs::path& path) {
     for (const char* name : {"model.ply", "checkpoint.ckpt"})
       if (fs::exists(folder / name)) return folder / name;
   if (is_tessera4d_folder(path)) return path / kTessera4dManifest;
-  throw InputError(fmt::format(
-      "{}: has neither model.ply nor checkpoint.ckpt nor a Tessera 4D manifest.json; {}",
-      path.string(), kAccepted));
+  if (opens_as_scene(path))
+    throw InputError(fmt::format("{0}: is a scene, no model; train one: tessera train {0} -o RUN",
+                                 path.string()));
+  throw InputError(
+      fmt::format("{0}: holds no model; {1}; of a capture `tessera run {0} -o OUT` makes one",
+                  path.string(), kAccepted));
 }
 
 GaussianModel from_splats(const fs::path& path, std::vector<std::string>& warnings) {

@@ -13,6 +13,7 @@
 #include "ingest/files/folders.h"
 #include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"
+#include "kernels/base/counted.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/base/seconds_since.h"
@@ -22,6 +23,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/commands/doctor_checks.h"
 #include "tools/session/locks.h"
+#include "tools/session/model_scene.h"
 
 namespace tessera {
 namespace {
@@ -52,9 +54,9 @@ std::string doctor_text(const DoctorReport& report) {
     if (!finding.advice.empty()) text += ": " + finding.advice;
     text += '\n';
   }
-  return text + fmt::format("{} ({}): {} errors, {} warnings, {:.1f} s", report.path, report.kind,
-                            count(report, Severity::kError), count(report, Severity::kWarning),
-                            report.seconds);
+  return text + fmt::format("{} ({}): {}, {}, {:.1f} s", report.path, report.kind,
+                            counted(count(report, Severity::kError), "error"),
+                            counted(count(report, Severity::kWarning), "warning"), report.seconds);
 }
 
 nlohmann::json doctor_json(const DoctorReport& report) {
@@ -149,6 +151,7 @@ int doctor(const DoctorRequest& request) {
   set_thread_count(request.threads);
   const auto begin = std::chrono::steady_clock::now();
   const WindowWish wish = parse_windows(request.windows);
+  refuse_trained(request.path, "capture or scene");
   DoctorReport report;
   report.path = request.path;
   if (is_scene(request.path)) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "kernels/base/counted.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/options/nearest_name.h"
@@ -136,8 +137,8 @@ void check_places(const ExportRequest& request, const std::filesystem::path& mod
 
 std::string written_text(const ExportRequest& request, const nlohmann::json& result) {
   const int64_t frames = result["frames"], bytes = result["bytes"];
-  std::string text = fmt::format("{}: {} file{}, {:.1f} MB", request.out, frames,
-                                 frames == 1 ? "" : "s", double(bytes) / 1e6);
+  std::string text =
+      fmt::format("{}: {}, {:.1f} MB", request.out, counted(frames, "file"), double(bytes) / 1e6);
   if (result.contains("windows"))
     text += fmt::format("; {} windows, at most {} Gaussians at a time",
                         result["windows"].get<int64_t>(), result["peak_gaussians"].get<int64_t>());

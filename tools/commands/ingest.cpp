@@ -7,6 +7,7 @@
 #include "ingest/ingest.h"
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/prepared/transforms_json.h"
+#include "kernels/base/counted.h"
 #include "kernels/base/parallel.h"
 #include "tools/cli/command.h"
 #include "tools/cli/ingest_arguments.h"
@@ -42,8 +43,8 @@ int ingest(const IngestRequest& request) {
        {"notes", report.notes},
        {"camera_table", camera_table_json(report.camera_table)},
        {"warnings", report.warnings}},
-      fmt::format("{}: {} images of {} camera{}, {} points; {}", request.out, report.frames,
-                  report.cameras, report.cameras == 1 ? "" : "s", report.points, report.scored));
+      fmt::format("{}: {} of {}, {} points; {}", request.out, counted(report.frames, "image"),
+                  counted(report.cameras, "camera"), report.points, report.scored));
   return kExitDone;
 }
 

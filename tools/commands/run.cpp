@@ -33,6 +33,17 @@ void apply_cloud_to_training(RunRequest& request) {
     request.training.given.try_emplace("sweep", "false");
 }
 
+/// The results of a run are its own. Errors: InputError.
+void check_outside_of_runs(const fs::path& out) {
+  const fs::path whole = fs::weakly_canonical(fs::absolute(out));
+  for (fs::path above = whole.parent_path(); above != above.parent_path();
+       above = above.parent_path())
+    if (fs::is_regular_file(above / "stages.json"))
+      throw InputError(fmt::format(
+          "{}: lies in {}, the output of another run; choose a folder beside it with -o",
+          out.string(), above.string()));
+}
+
 /// What can be refused before anything is written, and not only after hours.
 void check_request(const RunRequest& request) {
   const fs::path& capture = request.capture;
@@ -40,6 +51,7 @@ void check_request(const RunRequest& request) {
   require_folder(capture);
   require_one_capture(capture, options);
   check_output_apart(request.out, capture);
+  check_outside_of_runs(request.out);
   if (!opens_as_scene(capture)) layout_of(capture, options);
   parse_windows(request.windows);
   check_gpus(request.gpus, request.training.backend);

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "kernels/base/counted.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/options/nearest_name.h"
@@ -108,8 +109,8 @@ int synth(SynthRequest request) {
        {"cameras", report.cameras},
        {"images", report.images},
        {"points", report.points}},
-      fmt::format("{}: {} camera{}, {} images, {} points of truth", request.out, report.cameras,
-                  report.cameras == 1 ? "" : "s", report.images, report.points));
+      fmt::format("{}: {}, {}, {} points of truth", request.out, counted(report.cameras, "camera"),
+                  counted(report.images, "image"), report.points));
   return kExitDone;
 }
 

@@ -30,6 +30,7 @@
 #include "tools/live/view_child.h"
 #include "tools/session/clock/time_limit.h"
 #include "tools/session/locks.h"
+#include "tools/session/model_scene.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
 #include "tools/view/view_server.h"
@@ -175,6 +176,7 @@ void add_train_command(CLI::App& app, Work& work) {
       if (!parsed->window.empty()) request.window = window_of_text(parsed->window, "--window");
       const TrainArguments& arguments = parsed->arguments;
       set_thread_count(arguments.threads);
+      refuse_trained(request.scene, "scene");
       check_output_apart(request.run, request.scene);
       const std::string files = key_of(file_stamps(request.scene));
       if (const std::optional<int> done = train_in_windows(*parsed, files)) return *done;

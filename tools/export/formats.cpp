@@ -9,6 +9,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/prepared/scene_reader.h"
+#include "kernels/base/counted.h"
 #include "recon4d/model/element_edits.h"
 #include "recon4d/model/model_file.h"
 #include "static3d/formats/frame_sequence.h"
@@ -90,10 +91,10 @@ void warn_of_range(const ExportRequest& request, const SequenceReport& report) {
   for (const SequenceFrame& frame : report.frames) most = std::max(most, frame.out_of_range);
   if (most == 0) return;
   warn(
-      fmt::format("{}: {}{} Gaussian{} left out: too far from the others for the range of "
+      fmt::format("{}: {}{} left out: too far from the others for the range of "
                   "--format {}; ply keeps them",
-                  request.out, report.frames.size() > 1 ? "in a frame up to " : "", most,
-                  most == 1 ? "" : "s", request.format));
+                  request.out, report.frames.size() > 1 ? "in a frame up to " : "",
+                  counted(most, "Gaussian"), request.format));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "kernels/base/counted.h"
 #include "static3d/line_motion/line_model.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/terminal.h"
@@ -29,9 +30,9 @@ nlohmann::json export_lines(const ExportRequest& request, Clip& clip) {
   folder.finish();
   if (far > 0)
     warn(
-        fmt::format("{}: {} Gaussian{} left out: too far from the others for the range of "
+        fmt::format("{}: {} left out: too far from the others for the range of "
                     "--format {}; ftgs keeps them",
-                    request.out, far, far == 1 ? "" : "s", request.format));
+                    request.out, counted(far, "Gaussian"), request.format));
   nlohmann::json result = {
       {"frames", 1}, {"bytes", bytes}, {"max_gaussians", model.count()}, {"out_of_range", far}};
   if (clip.count() > 1)

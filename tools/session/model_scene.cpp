@@ -95,6 +95,15 @@ fs::path require_scene_of(const fs::path& model) {
                                found.named_by.string(), found.known.front().string()));
 }
 
+void refuse_trained(const fs::path& folder, const char* what) {
+  const std::string scene = fs::is_directory(folder) ? scene_of_model(folder) : "";
+  if (scene.empty()) return;
+  throw InputError(
+      fmt::format("{0}: is what a training made, no {1}; look at it: tessera view {0}; "
+                  "the scene that it was trained on: {2}",
+                  folder.string(), what, scene));
+}
+
 std::string changed_scene(const fs::path& model, const std::string& scene) {
   const RunFolder run = trained(model).run;
   if (scene.empty() || is_as_trained(run, scene)) return "";

@@ -17,6 +17,9 @@ std::string scene_of_model(const std::filesystem::path& model);
 /// The same. Errors: InputError that asks for --scene.
 std::filesystem::path require_scene_of(const std::filesystem::path& model);
 
+/// Errors: InputError where a training has written `folder`, which is no `what`, such as "capture".
+void refuse_trained(const std::filesystem::path& folder, const char* what);
+
 /// A line where `scene`, which is not "", is not as that model was trained on: it may hold out
 /// other cameras. "" else.
 std::string changed_scene(const std::filesystem::path& model, const std::string& scene);

@@ -114,8 +114,26 @@ TEST(CliBadInput, NotAModel) {
   work.expect_refused({"evaluate", image, "--scene", work.at("capture")},
                       {"r_000.png", "not a model", "expected a run folder"});
   work.expect_refused({"render", work.at("capture"), "--cameras", work.at("capture"), "-o", "x"},
-                      {"neither model.ply nor checkpoint.ckpt"});
+                      {"is a scene, no model"});
   work.expect_refused({"info", image}, {"r_000.png", "unrecognised file type"});
+}
+
+// Finds: what is missing in the folder, in place of what the folder is.
+TEST(CliBadInput, AFolderOfAnotherKindIsNamed) {
+  const CliWorkspace work;
+  const std::string scene = work.at("capture"), run = work.at("run");
+  ASSERT_EQ(work.train("run", {"--iterations", "2"}).exit_code, 0);
+  for (const char* command : {"run", "ingest", "train"})
+    work.expect_refused({command, run, "-o", work.at("out")},
+                        {"run: is what a training made", "tessera view " + run, scene});
+  work.expect_refused({"doctor", run}, {"is what a training made, no capture or scene"});
+  work.expect_refused({"view", scene}, {"is a scene, no model; train one: tessera train " + scene});
+  work.write("dance/a.txt", "");
+  work.expect_refused({"view", work.at("dance")},
+                      {"holds no model", "tessera run " + work.at("dance") + " -o OUT"});
+  work.write("done/stages.json", "{}");
+  work.expect_refused({"run", scene, "-o", work.at("done/other")},
+                      {"done/other: lies in " + work.at("done") + ", the output of another run"});
 }
 
 // Seen to fail with size and checksum of a checkpoint not compared.
