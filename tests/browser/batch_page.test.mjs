@@ -94,9 +94,9 @@ test('failures come first, seeds share a colour, presets are compared by their v
     const log = page.getByRole('link', {name: 'log'});
     assert.equal(await log.getAttribute('href'), '../logs/a%20b.log');
     assert.equal(await page.getByText('ingest: hall: the clocks differ').count(), 1);
-    const legend = page.locator('.legend.all').first();
-    assert.deepEqual(await legend.locator('span:not(.soft)').allTextContents(),
-                     ['fast', 'balanced', 'best']);
+    const legend = page.getByRole('figure', {name: 'Loss'}).first().locator('.legend');
+    assert.deepEqual(await legend.locator('span:not(.at)').allTextContents(),
+                     ['fast', 'balanced', 'best'].map((name) => `${name} 0.02 0.02`));
     const viewer = page.locator('.viewer').first();
     assert.deepEqual(await viewer.locator('.compare').first().locator('span').allTextContents(),
                      ['fast', 'balanced']);

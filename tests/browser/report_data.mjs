@@ -53,6 +53,7 @@ export function runData({title = 'Küche, 30 steps <b>', better = 0, options = {
     command: 'tessera run "Küche <1>" -o runs/kueche --preset default', host: 'zürich',
     started: '2026-11-24T09:30:12Z', cpu: 'AMD EPYC 9554, 16 cores',
     device: 'NVIDIA H100 80GB HBM3', steps: 30000,
+    ingest_options: {cloud: 'default', scale: 1}, initial_points: '1000 points',
     options: {iterations: 30000, motion: 'nodes', learning_rate: 0.0016, crops: [1, 2], ...options},
     scores: {psnr: 30.456 + better, psnr_dynamic: 27.1 + better, psnr_static: 32.9 + better,
              psnr_fit: 33.2, ssim: 0.9312, lpips: 0.0874},
@@ -78,7 +79,8 @@ export function runData({title = 'Küche, 30 steps <b>', better = 0, options = {
               {...kCamera, name: 'cam01', clock_offset_s: 0.0417, clock_offset_frames: 1.25,
                clock_learnt_s: 0.0031,
                gain: null, notes: ['gain unknown', 'starts 1.25 frames late']}],
-    decisions: [{step: 3000, text: 'Densification stops: 180k Gaussians are enough.'},
+    decisions: [{step: 3000, text: 'Densification stops: 180k Gaussians are enough.',
+                 static: [190000, 182345], dynamic: [50000, 45210]},
                 {step: 12000, text: 'Motion nodes: 120 → 164, where the error is large.'}],
     warnings: [{stage: 'read', text: 'cam01 says </script><b>bold</b> & "ümläut"'}],
     files: [{name: 'Player', path: 'player 1#.html', bytes: 9.1e6},
@@ -112,6 +114,9 @@ export function windowsData() {
 export function comparisonData() {
   const second = runData({title: 'two', better: 1.2, options: {motion: 'pair', seed_points: 5}});
   second.views.reverse().pop();
+  Object.assign(second, {ingest_options: {cloud: 'sparse', scale: 1}, initial_points: '90 points'});
+  second.warnings.push({stage: 'train', text: 'few views'});
+  second.files.push({name: 'Report', path: '../two/report/index.html', bytes: 9e5});
   return {...reportData([runData({title: 'one'}), second]), title: 'one and two'};
 }
 

@@ -31,10 +31,6 @@ struct JobRecords {
   fs::path player;  // below OUT
 };
 
-json or_null(const std::optional<double>& value) {
-  return value ? json(*value) : json();
-}
-
 /// Seconds that a job took; nothing where they are not known.
 std::optional<double> seconds_of(const BatchFolder& batch, const std::string& job) {
   const json record = read_record({batch.root, {}}, job);

@@ -98,4 +98,8 @@ json to_json(const RunCurves& curves) {
           {"memory", to_json(curves.bytes)}};
 }
 
+json or_null(const std::optional<double>& value) {
+  return value ? json(*value) : json();
+}
+
 }  // namespace tessera

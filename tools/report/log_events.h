@@ -27,20 +27,15 @@ nlohmann::json to_json(const std::vector<CurvePoint>& curve);
 /// {psnr_test, psnr_validation, loss, static, dynamic, memory} of these.
 nlohmann::json to_json(const RunCurves& curves);
 
-/// Something that the training did by itself, as a sentence.
-struct RunDecision {
-  int64_t step = 0;
-  std::string text;
-};
-
 /// The events of a log in their order. A resumed training begins at the step of its checkpoint:
 /// what the log has of later steps from before it is left out, but for warnings. Lines that are no
 /// JSON object with an `event` are left out, too.
 std::vector<nlohmann::json> log_events(const std::string& log);
 
 RunCurves run_curves(const std::vector<nlohmann::json>& events);
-/// Reductions one by one, density control in one sentence a set, and why training stopped.
-std::vector<RunDecision> run_decisions(const std::vector<nlohmann::json>& events);
+/// [{step, text}]: reductions one by one, with the Gaussians {static: [before, after], dynamic},
+/// density control in one sentence a set, and why training stopped.
+nlohmann::json run_decisions(const std::vector<nlohmann::json>& events);
 
 /// The field where `object` is an object that has it as a number that is finite.
 std::optional<double> number_at(const nlohmann::json& object, const char* key);
@@ -50,5 +45,7 @@ std::string text_at(const nlohmann::json& object, const char* key);
 int64_t count_at(const nlohmann::json& object, const char* key);
 /// The field; null otherwise.
 const nlohmann::json& field_at(const nlohmann::json& object, const char* key);
+/// null where there is none.
+nlohmann::json or_null(const std::optional<double>& value);
 
 }  // namespace tessera

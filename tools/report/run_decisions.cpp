@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <utility>
 
 #include "tools/report/log_events.h"
 
@@ -86,12 +87,7 @@ std::string reduction_text(const json& event) {
     add(gaussians_were(missed, "dynamic ") + " added where several cameras missed what moves.");
   if (count_at(event, "removed") > 0) add(pruning_text(event));
   if (text.empty()) text = "The model was measured, and nothing was changed.";
-  text += degrees_text(event);
-  return text + fmt::format(" The model had {} static and {} dynamic Gaussians, and has {} and {}.",
-                            grouped(count_at(event, "static_before")),
-                            grouped(count_at(event, "dynamic_before")),
-                            grouped(count_at(event, "static")),
-                            grouped(count_at(event, "dynamic")));
+  return text + degrees_text(event);
 }
 
 /// Sums over the density control of one set.
@@ -126,35 +122,38 @@ struct DensitySum {
 };
 
 std::string end_text(const json& validation) {
-  const std::string best = grouped(count_at(validation, "best_iteration"));
   const auto psnr = number_at(validation, "best_psnr");
-  std::string text =
-      fmt::format("The model is that of step {}, the best on the validation views", best);
+  std::string text = fmt::format("The model is that of step {}, the best on the validation views",
+                                 grouped(count_at(validation, "best_iteration")));
   if (psnr) text += fmt::format(" (PSNR {:.2f} dB)", *psnr);
-  const json& stopped = field_at(validation, "stopped");
-  if (stopped.is_boolean() && stopped.get<bool>())
+  if (field_at(validation, "stopped") == true)
     text += "; training stopped because later models were not better";
   return text + ".";
 }
 
 }  // namespace
 
-std::vector<RunDecision> run_decisions(const std::vector<json>& events) {
-  std::vector<RunDecision> decisions;
+json run_decisions(const std::vector<json>& events) {
+  json decisions = json::array();
   DensitySum sums[2];
+  const auto add = [&](int64_t step, const std::string& text, json counts = json::object()) {
+    counts.update({{"step", step}, {"text", text}});
+    decisions.push_back(std::move(counts));
+  };
   for (const json& event : events) {
     const std::string name = text_at(event, "event");
     if (name == "density") sums[text_at(event, "set") == "dynamic"].add(event);
     if (name == "decision")
-      decisions.push_back({count_at(event, "iteration"), reduction_text(event)});
+      add(count_at(event, "iteration"), reduction_text(event),
+          {{"static", {count_at(event, "static_before"), count_at(event, "static")}},
+           {"dynamic", {count_at(event, "dynamic_before"), count_at(event, "dynamic")}}});
     if (name == "end" && field_at(event, "validation").is_object())
-      decisions.push_back({count_at(event, "iterations"), end_text(field_at(event, "validation"))});
+      add(count_at(event, "iterations"), end_text(field_at(event, "validation")));
   }
   for (const int k : {0, 1})
-    if (sums[k].last > 0)
-      decisions.push_back({sums[k].first, sums[k].text(k == 1 ? "dynamic" : "static")});
+    if (sums[k].last > 0) add(sums[k].first, sums[k].text(k == 1 ? "dynamic" : "static"));
   std::stable_sort(decisions.begin(), decisions.end(),
-                   [](const RunDecision& a, const RunDecision& b) { return a.step < b.step; });
+                   [](const json& a, const json& b) { return a["step"] < b["step"]; });
   return decisions;
 }
 

@@ -34,12 +34,17 @@ std::string command_text(const json& words) {
   return text;
 }
 
-/// Of the starts of a training the first one's time and command, and the last one's machine.
+/// Of the starts of a training the first one's time, command and initial points, and the last one's
+/// machine.
 json starts_of(const std::vector<json>& events) {
-  json found = {{"started", ""}, {"command", ""}, {"host", ""}, {"cpu", ""}};
+  json found = {
+      {"started", ""}, {"command", ""}, {"initial_points", ""}, {"host", ""}, {"cpu", ""}};
   for (const json& event : events) {
     if (text_at(event, "event") != "start") continue;
-    if (found["started"] == "") found["started"] = text_at(event, "time");
+    if (found["started"] == "") {
+      found["started"] = text_at(event, "time");
+      found["initial_points"] = text_at(event, "initialisation");
+    }
     if (found["command"] == "") found["command"] = command_text(field_at(event, "command"));
     for (const char* key : {"host", "cpu"})
       if (const std::string text = text_at(event, key); !text.empty()) found[key] = text;
@@ -86,8 +91,12 @@ json stages_of(const json& ledger, const json& end) {
   return stages;
 }
 
-json or_null(const std::optional<double>& value) {
-  return value ? json(*value) : json();
+/// As they were asked for. Names with spaces are those of hashes and of what was found.
+json ingest_options_of(const json& inputs) {
+  json options = json::object();
+  for (const auto& [name, value] : inputs.items())
+    if (name.find(' ') == std::string::npos) options[name] = value;
+  return options;
 }
 
 json scores_of(const json& metrics) {
@@ -137,13 +146,6 @@ json cameras_of(const json& ingest, const json& trained) {
     camera["readout_learnt_s"] = or_null(number_at(field_at(trained, "readouts"), name.c_str()));
   }
   return cameras;
-}
-
-json decisions_of(const std::vector<json>& events) {
-  json decisions = json::array();
-  for (const RunDecision& decision : run_decisions(events))
-    decisions.push_back({{"step", decision.step}, {"text", decision.text}});
-  return decisions;
 }
 
 /// Gaussians: of the model that was scored, which may be smaller than what was trained.
@@ -216,6 +218,7 @@ json run_report(const RunRecords& records) {
   run["steps"] = curves.loss.empty() ? count_at(end, "iterations") : curves.loss.back().step;
   const json& options = field_at(records.config, "options");
   run["options"] = options.is_object() ? options : json::object();
+  run["ingest_options"] = ingest_options_of(field_at(field_at(records.stages, "ingest"), "inputs"));
   run["scores"] = scores_of(records.metrics);
   run["worst"] = worst_of(records.metrics);
   run["objects"] = objects_of(records.metrics);
@@ -228,7 +231,7 @@ json run_report(const RunRecords& records) {
   run["curves"] = to_json(curves);
   run["views"] = views_of(records.metrics);
   run["cameras"] = cameras_of(ingest, end);
-  run["decisions"] = in_windows ? json::array() : decisions_of(events);
+  run["decisions"] = in_windows ? json::array() : run_decisions(events);
   run["warnings"] = warnings_of(ingest, all);
   if (in_windows) add_windows(records, run);
   return run;

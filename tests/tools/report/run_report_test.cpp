@@ -21,15 +21,20 @@ json steps(int64_t step, double loss, int64_t num_static) {
 }
 
 json start(int64_t step, const char* host) {
-  return {{"event", "start"}, {"iteration", step}, {"time", "2026-11-24T09:30:00Z"},
-          {"host", host},     {"cpu", "A CPU"},    {"command", {"/opt/tessera", "run", "my room"}}};
+  return {{"event", "start"},
+          {"iteration", step},
+          {"time", "2026-11-24T09:30:00Z"},
+          {"host", host},
+          {"initialisation", host},
+          {"command", {"/opt/tessera", "run", "my room"}}};
 }
 
 RunRecords usual_records() {
   RunRecords records;
   records.config = {{"tessera", "0.1.0"}, {"preset", "balanced"}, {"device", "CPU"}};
-  records.stages = {{"ingest", {{"seconds", 3.5}, {"result", {{"warnings", {"cam03 is dark"}}}}}},
-                    {"train", {{"seconds", 60.0}}}};
+  records.stages = json::parse(R"({"train": {"seconds": 60.0}, "ingest": {"seconds": 3.5,
+      "result": {"warnings": ["cam03 is dark"]},
+      "inputs": {"cloud": "sparse", "contents of the capture": "89a7", "as it is": false}}})");
   records.log = lines(
       {start(0, "first"),
        {{"event", "warning"}, {"text", "few views"}},
@@ -66,8 +71,10 @@ TEST(RunReport, TheCommandCanBeTypedAgain) {
   EXPECT_EQ(run_report(records)["command"], "tessera run 'it'\\''s' ''");
 }
 
+// Bug put back: hashes are among the options of ingest; seen to fail.
 TEST(RunReport, HasMachineStagesAndCurves) {
   const json report = run_report(usual_records());
+  EXPECT_EQ(report["ingest_options"], json({{"cloud", "sparse"}}));
   EXPECT_EQ(report["command"], "tessera run 'my room'");
   EXPECT_EQ(report["started"], "2026-11-24T09:30:00Z");
   EXPECT_EQ(report["host"], "first");
@@ -114,6 +121,7 @@ TEST(RunReport, AResumedTrainingHasEachStepOnce) {
   EXPECT_EQ(report["curves"]["loss"]["value"], json::parse("[0.3, 0.25, 0.1]"));
   EXPECT_TRUE(report["curves"]["psnr_test"]["step"].empty()) << "of a step that was trained again";
   EXPECT_EQ(report["host"], "second");
+  EXPECT_EQ(report["initial_points"], "first");
   EXPECT_EQ(report["warnings"].size(), 2u) << "warnings stay";
   EXPECT_TRUE(report["seconds"]["command"].is_null())
       << "those of one session are not those of all";
@@ -156,10 +164,10 @@ TEST(RunReport, DecisionsAreSentencesWithNumbersAndReasons) {
                            "1 static Gaussian was promoted",
                            "4,200 dynamic Gaussians were added where several cameras",
                            "1,200 Gaussians were pruned, each of which lowered",
-                           "less than 0.02 for every byte", "28.10 dB before, 28.02 dB after",
-                           "had 8,289 static and 10,611 dynamic", "has 16,000 and 1,504"})
+                           "less than 0.02 for every byte", "28.10 dB before, 28.02 dB after"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   EXPECT_EQ(text.find("spawned"), std::string::npos);
+  EXPECT_EQ(run_report(records)["decisions"][0]["static"], json({8289, 16000}));
 
   decision["goal"] = 40'000;
   records.log += lines({decision});
@@ -206,19 +214,11 @@ TEST(RunReport, TheScoreOfEvaluateEndsTheCurve) {
 
 TEST(RunReport, ScoresHaveMovingAndStaticPixelsApart) {
   RunRecords records = usual_records();
-  records.metrics = {
-      {"split", "test"},
-      {"psnr", 28.314},
-      {"psnr_dynamic", 21.5},
-      {"psnr_static", 30.05},
-      {"ssim", nullptr},
-      {"num_static", 7},
-      {"num_dynamic", 3},
-      {"timesteps", {1, 2}},
-      {"worst_timestep", {{"psnr", 25.1}, {"frame_number", 4}}},
-      {"objects", {{{"name", "ball"}, {"psnr", 19.5}}}},
-      {"per_view",
-       {{{"name", "test/a"}, {"camera", "cam00"}, {"psnr", 28.0}, {"psnr_dynamic", nullptr}}}}};
+  records.metrics = json::parse(R"({"split": "test", "psnr": 28.314, "psnr_dynamic": 21.5,
+      "psnr_static": 30.05, "ssim": null, "num_static": 7, "num_dynamic": 3, "timesteps": [1, 2],
+      "worst_timestep": {"psnr": 25.1, "frame_number": 4},
+      "objects": [{"name": "ball", "psnr": 19.5}],
+      "per_view": [{"name": "test/a", "camera": "cam00", "psnr": 28.0, "psnr_dynamic": null}]})");
   const json report = run_report(records);
   EXPECT_EQ(report["scores"]["psnr"], 28.314);
   EXPECT_EQ(report["scores"]["psnr_dynamic"], 21.5);

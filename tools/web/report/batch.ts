@@ -1,6 +1,7 @@
 // The page of a batch: failures first, then scene by scene its variants side by side.
 import { makeCharts } from "./charts";
 import type { Batch, Report, Run, SceneScores } from "./data";
+import { runLinks, warningsList } from "./details";
 import { details, facts, fileLink, make, section } from "./elements";
 import { qualityChart } from "./quality_chart";
 import { table } from "./tables";
@@ -10,31 +11,14 @@ import { dateWords, decibels, fixed, optionWords, sizeWords, timeWords, wholeNum
 
 const MANY_SCENES = 3; // above, each is folded, and built when it is opened
 
-/** Lines of text, each once. */
-function list(texts: Node[], kind: string): HTMLElement {
-  return make("div", { class: `card ${kind}` }, make("ul", {}, ...texts));
-}
-
 function failuresSection(batch: Batch): HTMLElement | null {
   if (batch.failures.length === 0) return null;
   const items = batch.failures.map(({ line, log }) =>
     make("li", {}, line, log === "" ? null : make("span", {}, " (", fileLink(log, "log"), ")")));
-  return section("Failures", list(items, "warnings"));
+  return section("Failures", make("div", { class: "card warnings" }, make("ul", {}, ...items)));
 }
 
-function warningsOf(runs: Run[]): HTMLElement | null {
-  const texts = new Set(runs.flatMap((run) =>
-    run.warnings.map(({ stage, text }) => `${stage === "ingest" ? stage : run.title}: ${text}`)));
-  if (texts.size === 0) return null;
-  return list([...texts].map((text) => make("li", {}, text)), "warnings");
-}
-
-/** Links to the reports and players of the runs. */
 function runsOf(runs: Run[]): HTMLElement {
-  const link = (run: Run, name: string) => {
-    const file = run.files.find((other) => other.name === name);
-    return file === undefined ? null : fileLink(file.path, name.toLowerCase());
-  };
   return details(`${runs.length} runs`, table("runs", [
     { name: "run", cell: (run) => run.title, order: (run) => run.title },
     { name: "state", cell: (run) => run.error ?? run.state },
@@ -43,8 +27,7 @@ function runsOf(runs: Run[]): HTMLElement {
       order: (run) => run.scores.psnr },
     { name: "training", number: true, cell: (run) => timeWords(run.seconds.training),
       order: (run) => run.seconds.training },
-    { name: "", cell: (run) => make("span", { class: "pair-of-links" }, link(run, "Report"), " ",
-      link(run, "Player")) },
+    { name: "open", cell: runLinks },
   ], runs));
 }
 
@@ -57,7 +40,7 @@ function sceneContent(scene: SceneScores, report: Report, batch: Batch): Node[] 
   return [
     scene.split === "train"
       ? make("p", { class: "soft" }, "Scored on training views, as nothing is held out.") : null,
-    warningsOf(runs),
+    warningsList(runs),
     pointsTable(scene, batch),
     qualityChart(scene, batch),
     makeViewer(shown)?.element ?? null,

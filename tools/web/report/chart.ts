@@ -93,13 +93,15 @@ export class Chart {
   }
 
   private legend(): HTMLElement {
-    const entries = this.content.lines.map((line, i) => {
-      const key = make("i", { class: line.dashed ? "key dashed" : "key" });
-      key.style.setProperty("--key", line.colour);
-      const name = line.named ? `${line.label} ` : null;
-      return make("span", { title: line.label }, key, name, this.values[i]);
+    const entries = new Map<string, HTMLElement>();
+    this.content.lines.forEach(({ name, label, colour, dashed }, i) => {
+      const key = make("i", { class: dashed ? "key dashed" : "key" });
+      key.style.setProperty("--key", colour);
+      if (!entries.has(name)) entries.set(name, make("span", {}, key, name));
+      this.values[i].title = label;
+      entries.get(name)!.append(" ", this.values[i]);
     });
-    return make("figcaption", { class: "legend" }, ...entries, this.under);
+    return make("figcaption", { class: "legend" }, ...entries.values(), this.under);
   }
 
   private resize(): void {

@@ -26,13 +26,10 @@ const CURVES: [CurveName, string][][] = [
 /** By what runs share a colour and a name in the legend. */
 export type GroupOf = (run: Run) => string;
 
-function groupsOf(runs: Run[], groupOf: GroupOf): string[] {
-  return [...new Set(runs.map(groupOf))];
-}
-
-/** Several runs: a colour for each group, and the second curve of a chart dashed. */
+/** Several runs: a colour and a name for each group, and the second curve of a chart dashed. */
 function linesOf(runs: Run[], curves: [CurveName, string][], groupOf: GroupOf): Line[] {
-  const groups = groupsOf(runs, groupOf);
+  const groups = [...new Set(runs.map(groupOf))];
+  const alone = (group: string) => runs.filter((run) => groupOf(run) === group).length === 1;
   return runs.flatMap((run) =>
     curves.flatMap(([name, words], c) => {
       const raw = run.curves[name];
@@ -40,11 +37,14 @@ function linesOf(runs: Run[], curves: [CurveName, string][], groupOf: GroupOf): 
       const curve =
         name === "memory" ? { ...raw, value: raw.value.map((bytes) => bytes / 1e6) } : raw;
       const several = runs.length > 1;
+      const group = groupOf(run);
+      const nameOf = (title: string) =>
+        !several ? words : curves.length > 1 ? `${title}, ${words}` : title;
       return {
-        label: !several ? words : curves.length > 1 ? `${run.title}, ${words}` : run.title,
-        colour: COLOURS[(several ? groups.indexOf(groupOf(run)) : c) % COLOURS.length],
+        label: nameOf(run.title),
+        colour: COLOURS[(several ? groups.indexOf(group) : c) % COLOURS.length],
         dashed: several && c > 0,
-        named: !several,
+        name: nameOf(alone(group) ? run.title : group),
         curve,
       };
     }),
@@ -107,21 +107,7 @@ export function makeCharts(runs: Run[], groupOf: GroupOf = (run) => run.id): Cha
       button("Whole range", () => charts.forEach((chart) => chart.reset())),
       make("span", { class: "soft" }, "Drag or pinch to zoom; a double click shows all."),
     ),
-    runs.length > 1 ? runLegend(runs, groupOf) : null,
     make("div", { class: "charts" }, ...charts.map((chart) => chart.element)),
   );
   return { element, show };
-}
-
-function runLegend(runs: Run[], groupOf: GroupOf): HTMLElement {
-  const groups = groupsOf(runs, groupOf);
-  const entries = groups.map((group, g) => {
-    const key = make("i", { class: "key" });
-    key.style.setProperty("--key", COLOURS[g % COLOURS.length]);
-    const members = runs.filter((run) => groupOf(run) === group);
-    return make("span", {}, key, members.length > 1 ? group : members[0].title);
-  });
-  const dashed = make("span", { class: "soft" }, "dashed: validation views, dynamic Gaussians");
-  const group = { class: "legend all", role: "group", "aria-label": "runs" };
-  return make("div", group, ...entries, dashed);
 }

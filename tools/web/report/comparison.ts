@@ -2,7 +2,9 @@
 // that differ.
 import { makeCharts } from "./charts";
 import type { Report, Run } from "./data";
-import { decisionsCard, filesCard, machineCard, stagesCard, warningsSection } from "./details";
+import {
+  filesCard, foldedDecisions, machineCard, runLinks, stagesCard, warningsSection,
+} from "./details";
 import { details, make, section } from "./elements";
 import { summaryOf } from "./run";
 import { table, type Column } from "./tables";
@@ -48,22 +50,42 @@ function scoreTable(runs: Run[]): HTMLElement {
     score(runs, "player page", (run) => run.size.player_bytes, sizeWords, "low"),
     score(runs, "static", (run) => run.size.static, (count) => shortNumber(count ?? 0), ""),
     score(runs, "dynamic", (run) => run.size.dynamic, (count) => shortNumber(count ?? 0), ""),
+    runs.some((run) => runLinks(run).hasChildNodes()) ? { name: "open", cell: runLinks } : null,
   ].filter((column) => column !== null);
   return make("div", { class: "card" }, table("scores of the runs", columns, runs),
     make("p", { class: "soft" }, "Static and dynamic: numbers of Gaussians. Bold: the best."));
 }
 
+interface Difference {
+  stage: "ingest" | "train";
+  name: string;
+  values: string[]; // of the runs
+}
+
+/** Options of which two runs that have any differ, and what the trainings began with. */
+function differences(runs: Run[]): Difference[] {
+  const optionsOf = (stage: Difference["stage"], key: "ingest_options" | "options") => {
+    const known = runs.filter((run) => Object.keys(run[key]).length > 0);
+    const words = (run: Run, name: string) => optionWords(run[key][name]);
+    return [...new Set(known.flatMap((run) => Object.keys(run[key])))]
+      .filter((name) => new Set(known.map((run) => words(run, name))).size > 1)
+      .map((name): Difference => ({ stage, name, values: runs.map((run) => words(run, name)) }));
+  };
+  const points = runs.map((run) => run.initial_points || UNKNOWN);
+  const made = optionsOf("ingest", "ingest_options");
+  if (new Set(points).size > 1) made.push({ stage: "train", name: "initial points", values: points });
+  return [...made, ...optionsOf("train", "options")];
+}
+
 function differingOptions(runs: Run[]): HTMLElement {
-  const names = [...new Set(runs.flatMap((run) => Object.keys(run.options)))];
-  const rows = names.filter(
-    (name) => new Set(runs.map((run) => optionWords(run.options[name]))).size > 1,
-  );
+  const rows = differences(runs);
   if (rows.length === 0) return make("p", { class: "soft" }, "All options are the same.");
-  const columns: Column<string>[] = [
-    { name: "option", cell: (name) => make("code", {}, name) },
-    ...runs.map((run) => ({
+  const columns: Column<Difference>[] = [
+    { name: "option", cell: ({ name }) => make("code", {}, name) },
+    { name: "of", cell: ({ stage }) => stage },
+    ...runs.map((run, i) => ({
       name: run.title,
-      cell: (name: string) => make("code", {}, optionWords(run.options[name])),
+      cell: ({ values }: Difference) => make("code", {}, values[i]),
     })),
   ];
   return make("div", { class: "card" }, table("options that differ", columns, rows));
@@ -73,7 +95,7 @@ export function comparisonPage(report: Report): Node[] {
   const { runs } = report;
   const viewer = makeViewer(runs);
   const each = runs.map((run) =>
-    details(`${run.title}: ${summaryOf(run)}`, decisionsCard(run),
+    details(`${run.title}: ${summaryOf(run)}`, foldedDecisions(run),
       make("div", { class: "pair" }, stagesCard(run), filesCard(run), machineCard(run))));
   return [
     make("header", { class: "top" }, make("h1", {}, report.title),

@@ -7,7 +7,7 @@ export interface Line {
   label: string;
   colour: string;
   dashed: boolean;
-  named: boolean; // beside its value; otherwise a legend of all charts names it
+  name: string; // in the legend, where lines of one name share an entry
   curve: Curve;
 }
 

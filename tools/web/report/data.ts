@@ -27,6 +27,8 @@ export interface Run {
   split: "test" | "val" | "train" | "";
   steps: number;
   options: Record<string, unknown>; // of the training, all
+  ingest_options: Record<string, unknown>; // as they were asked for; of a training alone none
+  initial_points: string; // in words
   scores: Scores;
   worst: { frame_number: number; psnr: number } | null; // the timestep of lowest PSNR
   objects: { name: string; psnr: number }[];
@@ -36,12 +38,20 @@ export interface Run {
   curves: Record<CurveName, Curve>;
   views: View[];
   cameras: Camera[];
-  decisions: { step: number; text: string }[];
+  decisions: Decision[];
   warnings: { stage: string; text: string }[];
   files: { name: string; path: string; bytes: number | null }[]; // paths from the page's folder
   image_note: string | null; // why there are no images
   windows?: Window[]; // of a clip that was trained window by window
   borders?: Borders | null;
+}
+
+/** What the training changed by itself; numbers of Gaussians before and after where it has them. */
+export interface Decision {
+  step: number;
+  text: string;
+  static?: [number, number];
+  dynamic?: [number, number];
 }
 
 /** One window; scores are means over the views that are drawn of it. */

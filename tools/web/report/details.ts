@@ -1,28 +1,63 @@
 // The sections with details of a run: decisions, stages, files, machine, all views and options.
-import type { Run, View } from "./data";
+import type { Decision, Run, View } from "./data";
 import { button, card, details, detailsWhenOpened, facts, fileLink, make, section } from "./elements";
 import { table, type Column } from "./tables";
 import {
-  dateWords, fixed, optionWords, shortNumber, sizeWords, timeWords, viewsWords, wholeNumber,
+  dateWords, fixed, optionWords, shortNumber, sizeWords, timeWords, UNKNOWN, viewsWords,
+  wholeNumber,
 } from "./words";
 
 export function warningsSection(runs: Run[]): HTMLElement | null {
-  const items = runs.flatMap((run) =>
-    run.warnings.map(({ stage, text }) => {
-      const from = runs.length > 1 ? `${run.title}, ${stage}` : stage;
-      return make("li", {}, make("strong", {}, from), `: ${text}`);
-    }),
-  );
-  if (items.length === 0) return null;
-  return section("Warnings", make("div", { class: "card warnings" }, make("ul", {}, ...items)));
+  const list = warningsList(runs);
+  return list && section("Warnings", list);
 }
 
-export function decisionsCard(run: Run): HTMLElement | null {
-  if (run.decisions.length === 0) return null;
-  const items = run.decisions.map(({ step, text }) =>
-    make("li", {}, make("strong", {}, `Step ${wholeNumber(step)}.`), ` ${text}`),
-  );
-  return make("div", { class: "card" }, make("ol", { class: "decisions" }, ...items));
+/** Each once, with the runs that have it. */
+export function warningsList(runs: Run[]): HTMLElement | null {
+  const found = new Map<string, { stage: string; text: string; titles: string[] }>();
+  for (const run of runs)
+    for (const { stage, text } of run.warnings) {
+      const key = `${stage}: ${text}`;
+      if (!found.has(key)) found.set(key, { stage, text, titles: [] });
+      found.get(key)!.titles.push(run.title);
+    }
+  if (found.size === 0) return null;
+  const items = [...found.values()].map(({ stage, text, titles }) => {
+    const whose = titles.length === runs.length ? `all ${runs.length} runs` : titles.join(", ");
+    return make("li", {}, make("strong", {}, stage), `: ${text}`,
+      runs.length === 1 ? null : make("span", { class: "soft" }, ` (${whose})`));
+  });
+  return make("div", { class: "card warnings" }, make("ul", {}, ...items));
+}
+
+/** Links to the report and to the player of one of several runs. */
+export function runLinks(run: Run): HTMLElement {
+  const links = ["Report", "Player"].flatMap((name) => {
+    const file = run.files.find((other) => other.name === name);
+    return file === undefined ? [] : [" ", fileLink(file.path, name.toLowerCase())];
+  });
+  return make("span", {}, ...links);
+}
+
+export function decisionsTable(run: Run): HTMLElement | null {
+  const { decisions } = run;
+  if (decisions.length === 0) return null;
+  const columns: Column<Decision>[] = [
+    { name: "step", number: true, cell: ({ step }) => wholeNumber(step) },
+    { name: "what", cell: ({ text }) => text },
+  ];
+  for (const set of ["static", "dynamic"] as const)
+    if (decisions.some((decision) => decision[set] !== undefined))
+      columns.push({ name: set, number: true,
+        cell: (decision) => decision[set]?.map(wholeNumber).join(" → ") ?? UNKNOWN });
+  return table("decisions", columns, decisions);
+}
+
+export const DECISIONS = "What the training decided";
+
+export function foldedDecisions(run: Run): HTMLElement | null {
+  const made = decisionsTable(run);
+  return made && details(DECISIONS, made);
 }
 
 export function stagesCard(run: Run): HTMLElement | null {

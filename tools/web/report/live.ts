@@ -2,8 +2,8 @@
 // curves; it can stop the training, and says how it is resumed.
 import { makeCharts, type Charts } from "./charts";
 import type { Run } from "./data";
-import { decisionsCard, warningsSection } from "./details";
-import { button, facts, make } from "./elements";
+import { DECISIONS, decisionsTable, warningsSection } from "./details";
+import { button, card, facts, make } from "./elements";
 import { fixed, timeWords, wholeNumber } from "./words";
 import "./live.css";
 
@@ -183,7 +183,8 @@ class LivePage {
       this.charts = makeCharts([run]);
       this.curves.replaceChildren(...(this.charts ? [this.charts.element] : []));
     }
-    const parts = [warningsSection([run]), decisionsCard(run)];
+    const decisions = decisionsTable(run);
+    const parts = [warningsSection([run]), decisions && card(DECISIONS, decisions)];
     this.told.replaceChildren(...parts.filter((part) => part !== null));
   }
 

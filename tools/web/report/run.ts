@@ -3,7 +3,7 @@ import { camerasSection } from "./cameras";
 import { makeCharts } from "./charts";
 import type { Run } from "./data";
 import {
-  decisionsCard, filesCard, machineCard, optionsTable, stagesCard, viewsTable, warningsSection,
+  filesCard, foldedDecisions, machineCard, optionsTable, stagesCard, viewsTable, warningsSection,
 } from "./details";
 import { fileLink, make, section } from "./elements";
 import { makeViewer } from "./viewer";
@@ -13,6 +13,7 @@ import {
 } from "./words";
 
 const MOST_OBJECTS = 3; // that a tile names
+const TILES_A_ROW: [string, number][] = [["wide", 5], ["middle", 3], ["narrow", 2]]; // of report.css
 
 export function summaryOf(run: Run): string {
   const windows = run.windows?.length ?? 0;
@@ -68,10 +69,23 @@ function tiles(run: Run): Tile[] {
   return made;
 }
 
+/** Of the tile `index` of `count`, where rows of at most `most` are as even as can be. */
+export function tilesBeside(index: number, count: number, most: number): number {
+  const rows = Math.ceil(count / most);
+  const fewer = Math.floor(count / rows);
+  const longer = count - rows * fewer; // rows, the first ones, of one tile more
+  return index < longer * (fewer + 1) ? fewer + 1 : fewer;
+}
+
 function scores(run: Run): HTMLElement {
-  const nodes = tiles(run).map(([name, value, more]) =>
-    make("div", {}, make("dt", {}, name), make("dd", {}, value),
-      more === "" ? null : make("dd", { class: "more" }, more)));
+  const made = tiles(run);
+  const nodes = made.map(([name, value, more], i) => {
+    const tile = make("div", {}, make("dt", {}, name), make("dd", {}, value),
+      more === "" ? null : make("dd", { class: "more" }, more));
+    for (const [width, most] of TILES_A_ROW)
+      tile.style.setProperty(`--${width}`, String(tilesBeside(i, made.length, most)));
+    return tile;
+  });
   const count = run.views.length;
   const note = count === 0 ? null : `Scores are means over ${count} ${viewsWords(run.split)}.`;
   return make("div", {}, make("dl", { class: "scores" }, ...nodes),
@@ -82,7 +96,7 @@ export function runPage(run: Run, title: string): Node[] {
   const viewer = makeViewer([run]);
   const noImages = run.image_note === null ? null
     : section("Views", make("p", { class: "soft" }, run.image_note));
-  const decisions = decisionsCard(run);
+  const decisions = foldedDecisions(run);
   const views = viewsTable(run, viewer && ((name) => viewer.select(name)));
   const options = optionsTable(run);
   const facts = [stagesCard(run), filesCard(run), machineCard(run)];
@@ -92,8 +106,8 @@ export function runPage(run: Run, title: string): Node[] {
     warningsSection([run]),
     windowsSection(run),
     viewer?.element ?? noImages,
-    decisions && section("What the training decided", decisions),
     makeCharts([run])?.element ?? null,
+    decisions && make("div", { class: "card after" }, decisions),
     camerasSection(run),
     section("Run", make("div", { class: "pair" }, ...facts)),
     views && section("All views", make("div", { class: "card" }, views)),
