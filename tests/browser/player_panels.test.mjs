@@ -154,6 +154,21 @@ test('the page has the words, and no full-screen button on an iPhone', async () 
   }
 });
 
+// Bug put back: buttons that keep their width; seen to fail.
+test('the bar of a phone has all its buttons in one row', async () => {
+  for (const width of [320, 375]) {
+    const {page, problems} = await open('?paused&rate=0.25');
+    await page.setViewportSize({width, height: 667});
+    await page.locator('#sound').waitFor();
+    const tops = await page.locator('#controls :is(button, select):visible').evaluateAll(
+        (controls) => controls.map((control) => control.getBoundingClientRect().top));
+    assert.equal(tops.length, 8);
+    assert.equal(new Set(tops).size, 1, `${width}: ${tops}`);
+    await page.close();
+    expectClean(problems);
+  }
+});
+
 // Bugs put back: the refusal dropped; the tap without startSound(); a mute button that changes only
 // its own look; each seen to fail.
 test('a sound that the browser refuses is asked for, starts with a tap, and can be muted',
