@@ -16,6 +16,7 @@ export interface Pose {
 /** About 50 degrees both ways. */
 const PLAIN_LENS: Lens = { fx: 1072, fy: 1072, cx: 500, cy: 500, width: 1000, height: 1000 };
 const MARGIN = 1.15; // of the whole scene, around it
+const SAME = 1e-6; // world units, radians, share of the width
 const PARALLEL = 1e-4; // least determinant of the axes' normal equations, per camera³
 
 export function sizeOf(bounds: Bounds | null): number {
@@ -32,6 +33,14 @@ function centreOf(bounds: Bounds | null): THREE.Vector3 {
 function rotationOf(camera: Camera): THREE.Quaternion {
   const [w, x, y, z] = camera.rotation;
   return new THREE.Quaternion(x, y, z, w).normalize();
+}
+
+/** Whether the two see the same; the camera of a test image has another name than that of the rig. */
+export function isSameView(one: Camera, other: Camera): boolean {
+  const apart = new THREE.Vector3(...one.position).distanceTo(new THREE.Vector3(...other.position));
+  const turned = rotationOf(one).angleTo(rotationOf(other));
+  const lens = one.fx / one.width - other.fx / other.width;
+  return [apart, turned, Math.abs(lens)].every((difference) => difference < SAME);
 }
 
 /** The point nearest to all viewing axes; null where they run side by side. */

@@ -10,7 +10,9 @@ import type { SceneInfo, SceneView, ViewCamera } from "./scene_view";
 import { SeenBounds } from "./seen_bounds";
 import { poseOfWord, viewWord } from "./shared_view";
 import { rememberInUrl } from "./url_state";
-import { homePose, poseFrom, poseTowards, rayOf, rigPose, type Pose } from "./view_camera";
+import {
+  homePose, isSameView, poseFrom, poseTowards, rayOf, rigPose, type Pose,
+} from "./view_camera";
 
 const STAYS_MS = 900; // after which a free view is written into the address
 
@@ -142,7 +144,7 @@ export class Viewpoint {
   look(camera: Camera): void {
     this.finish();
     this.orbit.setPose(rigPose(camera, this.info));
-    this.show(-1);
+    this.show(this.info.cameras.findIndex((own) => isSameView(own, camera)));
   }
 
   get word(): string {
