@@ -4,7 +4,7 @@ import { makeCharts, type Charts } from "./charts";
 import type { Run } from "./data";
 import { DECISIONS, decisionsTable, warningsSection } from "./details";
 import { button, card, facts, make } from "./elements";
-import { fixed, timeWords, wholeNumber } from "./words";
+import { fixed, sizeWords, timeWords, wholeNumber } from "./words";
 import "./live.css";
 
 const POLL_MS = 1000;
@@ -146,7 +146,7 @@ class LivePage {
       ["static Gaussians", wholeNumber(state.num_static)],
       ["dynamic Gaussians", wholeNumber(state.num_dynamic)],
       ["speed", `${fixed(state.steps_per_second, 1)} steps/s`],
-      ["memory", `${fixed(state.device_bytes / 2 ** 20, 0)} MiB`],
+      ["memory", sizeWords(state.device_bytes)],
       ["model shown", this.shownStep > 0 ? `step ${wholeNumber(this.shownStep)}` : "–"],
     ]));
   }
