@@ -256,6 +256,14 @@ test('the table of views is sorted by keys', async () => {
   });
 });
 
+// Bug put back: the means without what they look like; seen to fail.
+test('the scores are followed by what they look like', async () => {
+  await onPage(reportData(), kWide, async (page) => {
+    assert.match(await page.locator('.scores + p').textContent(),
+                 /^Sharp where it stands still, good where it moves\. Scores are means over /);
+  });
+});
+
 // Bugs put back: a window without a score is the lowest; the ratio of the borders turned round; each
 // seen to fail.
 test('a clip in windows shows its lowest one, its borders, and all of them in a table', async () => {

@@ -8,6 +8,7 @@
 
 #include "tools/report/log_events.h"
 #include "tools/report/windows_report.h"
+#include "tools/session/held_out_scores.h"
 
 namespace tessera {
 namespace {
@@ -220,6 +221,7 @@ json run_report(const RunRecords& records) {
   run["options"] = options.is_object() ? options : json::object();
   run["ingest_options"] = ingest_options_of(field_at(field_at(records.stages, "ingest"), "inputs"));
   run["scores"] = scores_of(records.metrics);
+  run["verdict"] = run["split"] == "train" ? "" : verdict(run["scores"]);
   run["worst"] = worst_of(records.metrics);
   run["objects"] = objects_of(records.metrics);
   run["size"] = counts_of(records, curves, end);

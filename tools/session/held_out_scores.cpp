@@ -81,9 +81,6 @@ std::string views_text(const std::string& split) {
 
 namespace {
 
-using Lines = std::vector<std::string>;
-
-/// What new views of a PSNR look like. Source: docs/explanation/scores.md.
 std::string in_a_word(double psnr) {
   if (psnr < 20) return "recognisable at best";
   if (psnr < 25) return "soft";
@@ -91,16 +88,22 @@ std::string in_a_word(double psnr) {
   return psnr < 35 ? "sharp" : "hard to tell from what was recorded";
 }
 
-void add_verdict(const json& score, Lines& lines) {
-  if (!score["psnr"].is_number()) return;
-  std::string verdict = in_a_word(score["psnr"]);
-  if (score["psnr_dynamic"].is_number() && score["psnr_static"].is_number())
-    if (const std::string still = in_a_word(score["psnr_static"]),
-        moving = in_a_word(score["psnr_dynamic"]);
-        still != moving)
-      verdict = fmt::format("{} where it stands still, {} where it moves", still, moving);
-  lines.push_back(verdict);
+}  // namespace
+
+std::string verdict(const json& score) {
+  const auto word = [&](const char* name) {
+    const json psnr = score.value(name, json());
+    return psnr.is_number() ? in_a_word(psnr) : "";
+  };
+  const std::string still = word("psnr_static"), moving = word("psnr_dynamic");
+  return still.empty() || moving.empty() || still == moving
+             ? word("psnr")
+             : fmt::format("{} where it stands still, {} where it moves", still, moving);
 }
+
+namespace {
+
+using Lines = std::vector<std::string>;
 
 void add_structure(const json& score, ScoreDetail detail, Lines& lines) {
   if (detail == ScoreDetail::kAll) {
@@ -185,7 +188,8 @@ std::string scores_text(const json& scores, ScoreDetail detail) {
                         views_text(split), score["per_view"].size(), number_text(score["psnr"], 2),
                         number_text(score["ssim"], 4));
     Lines lines;
-    if (split != "train") add_verdict(score, lines);
+    if (const std::string seen = verdict(score); split != "train" && !seen.empty())
+      lines.push_back(seen);
     add_structure(score, detail, lines);
     add_novelty(score, lines);
     add_motion(score, lines);

@@ -39,6 +39,10 @@ std::string number_text(const nlohmann::json& value, int digits);
 /// "test views", "validation views" or "training views" for test, val or train.
 std::string views_text(const std::string& split);
 
+/// What a PSNR looks like, "good where it stands still, soft where it moves"; "" where there is
+/// none. `score`: of a split. Source: docs/explanation/scores.md.
+std::string verdict(const nlohmann::json& score);
+
 enum class ScoreDetail { kUsual, kAll };
 
 /// A line per split, "test views (24): PSNR 31.42 dB, SSIM 0.9512", and an indented line each for

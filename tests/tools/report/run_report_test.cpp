@@ -224,6 +224,7 @@ TEST(RunReport, ScoresHaveMovingAndStaticPixelsApart) {
   EXPECT_EQ(report["scores"]["psnr_dynamic"], 21.5);
   EXPECT_EQ(report["scores"]["psnr_static"], 30.05);
   EXPECT_TRUE(report["scores"]["ssim"].is_null());
+  EXPECT_EQ(report["verdict"], "sharp where it stands still, soft where it moves");
   EXPECT_EQ(report["worst"], (json{{"frame_number", 4}, {"psnr", 25.1}}));
   EXPECT_EQ(report["objects"][0]["name"], "ball");
   EXPECT_EQ(report["size"]["static"], 7) << "of the model that was scored";

@@ -30,6 +30,7 @@ export interface Run {
   ingest_options: Record<string, unknown>; // as they were asked for; of a training alone none
   initial_points: string; // in words
   scores: Scores;
+  verdict: string; // what such a PSNR looks like; "" of training views
   worst: { frame_number: number; psnr: number } | null; // the timestep of lowest PSNR
   objects: { name: string; psnr: number }[];
   size: Sizes;

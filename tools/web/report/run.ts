@@ -87,7 +87,8 @@ function scores(run: Run): HTMLElement {
     return tile;
   });
   const count = run.views.length;
-  const note = count === 0 ? null : `Scores are means over ${count} ${viewsWords(run.split)}.`;
+  const seen = run.verdict && `${run.verdict[0].toUpperCase()}${run.verdict.slice(1)}. `;
+  const note = count === 0 ? null : `${seen}Scores are means over ${count} ${viewsWords(run.split)}.`;
   return make("div", {}, make("dl", { class: "scores" }, ...nodes),
     note === null ? null : make("p", { class: "soft" }, note));
 }
