@@ -60,7 +60,9 @@ SetForm dynamic_form(const json& header) {
 NodeCounts node_counts(const json& header) {
   const auto found = header.find("motion_nodes");
   if (found == header.end()) return {};
-  return {found->at("count"), found->at("knots"), found->at("started"), found->at("refitted")};
+  const int64_t knots = found->at("knots");
+  return {found->at("count"), int(std::clamp<int64_t>(knots, -1, kMaxKnots + 1)),
+          found->at("started"), found->at("refitted")};
 }
 
 void restore_sets(const json& header, GaussianModel& model) {

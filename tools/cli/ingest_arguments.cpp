@@ -102,21 +102,16 @@ template <class Field>
 void add_row(CLI::App& command, IngestArguments& arguments, const char* name, Field& field,
              const char* doc) {
   CLI::Option* option = nullptr;
-  if constexpr (kIsTaken<Field>)
-    option = command.add_option_function<std::vector<std::string>>(
-        name,
-        [&arguments, name](const std::vector<std::string>& words) {
-          arguments.words[name] = words;
-        },
-        doc);
-  else if constexpr (std::is_same_v<Field, bool>)
+  if constexpr (kIsTaken<Field>) {
+    // of a list CLI11 takes all words that follow, as it does the names of cameras
+    using Typed = std::conditional_t<kIsList<Field>, std::vector<std::string>, std::string>;
+    option = command.add_option_function<Typed>(
+        name, [&arguments, name](const Typed& typed) { arguments.words[name] = {typed}; }, doc);
+  } else if constexpr (std::is_same_v<Field, bool>)
     command.add_flag(name, field, doc);
   else
     option = command.add_option(name, field, doc);
-  if constexpr (kIsList<Field>)
-    option->delimiter(',');
-  else if constexpr (kIsTaken<Field>)
-    option->expected(1);
+  if constexpr (kIsList<Field>) option->delimiter(',');
   if constexpr (std::is_enum_v<Field>)
     option->default_str(name_of(field));
   else if constexpr (std::is_arithmetic_v<Field> && !std::is_same_v<Field, bool>)

@@ -19,6 +19,7 @@
 #include "tools/cli/training_terminal.h"
 #include "tools/run/run_stages.h"
 #include "tools/run/run_summary.h"
+#include "tools/session/model_scene.h"
 #include "tools/view/view_server.h"
 #include "tools/windows/window_choice.h"
 
@@ -27,18 +28,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A run without initial points makes none in its training either, unless that is told to.
+/// A run without initial points makes none in its training either, unless --sweep or a file of
+/// options tells it to.
 void apply_cloud_to_training(RunRequest& request) {
-  if (resolve_ingest(request.ingest).cloud == CloudDensity::kNone)
+  const bool makes_none = resolve_ingest(request.ingest).cloud == CloudDensity::kNone;
+  if (makes_none && request.training.config.empty())
     request.training.given.try_emplace("sweep", "false");
 }
 
 /// The results of a run are its own. Errors: InputError.
 void check_outside_of_runs(const fs::path& out) {
-  const fs::path whole = fs::weakly_canonical(fs::absolute(out));
+  if (is_run_output(out)) return;
+  const fs::path whole = fs::absolute(out).lexically_normal();
   for (fs::path above = whole.parent_path(); above != above.parent_path();
        above = above.parent_path())
-    if (fs::is_regular_file(above / "stages.json"))
+    if (is_run_output(above))
       throw InputError(fmt::format(
           "{}: lies in {}, the output of another run; choose a folder beside it with -o",
           out.string(), above.string()));

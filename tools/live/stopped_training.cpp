@@ -14,16 +14,12 @@
 #include "tools/cli/background_program.h"
 #include "tools/export/player_files.h"
 #include "tools/report/log_events.h"
+#include "tools/session/model_scene.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// `path` has the stages of a `tessera run`.
-bool is_of_run(const fs::path& path) {
-  return fs::is_regular_file(path / "stages.json");
-}
 
 /// Whether the last session of a training has found it finished at `step`, as by patience.
 bool has_ended_at(const RunFolder& run, int64_t step) {
@@ -33,7 +29,7 @@ bool has_ended_at(const RunFolder& run, int64_t step) {
 }
 
 std::string resume_advice(const fs::path& path, const RunFolder& run) {
-  if (is_of_run(path))
+  if (is_run_output(path))
     return fmt::format("repeat the `tessera run` command of {} to resume", path.string());
   return "resume with: " + shell_line(resume_words(run));
 }

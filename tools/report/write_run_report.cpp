@@ -73,7 +73,9 @@ json files_of(const RunPlaces& places, const fs::path& report) {
   add("Scores", places.run.metrics());
   add("Log", places.run.log());
   add("Options", places.run.config());
-  if (places.whole / "report" != report) add("Report", places.whole / "report" / "index.html");
+  if ((places.whole / "report").lexically_normal() !=
+      (report / "").parent_path().lexically_normal())
+    add("Report", places.whole / "report" / "index.html");
   if (places.out.empty()) return files;
   add("PLY frames", places.out / "frames" / "manifest.json");
   add("Stages", places.stages());

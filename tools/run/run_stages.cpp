@@ -142,9 +142,9 @@ class Runner {
     scene_ = as_it_is ? request_.capture : root_ / "scene";
     inputs[kCaptureFiles] = asked_[kCaptureFiles];
     inputs["as it is"] = as_it_is;
-    scene_key_ = key_of(inputs);
     if (!earlier_.empty() && !as_it_is) take_scene(inputs);
-    return stages_.done(kIngest, inputs, as_it_is ? scene_ : scene_ / "transforms.json", [&] {
+    const fs::path product = as_it_is ? scene_ : scene_ / "transforms.json";
+    const bool done = stages_.done(kIngest, inputs, product, [&] {
       json result = {{"scene", scene_.string()}};
       if (as_it_is) return std::optional(result);
       const IngestReport report =
@@ -155,6 +155,9 @@ class Runner {
       result["camera_table"] = camera_table_json(report.camera_table);
       return std::optional(result);
     });
+    // as recorded: a later version of the program has more options
+    scene_key_ = key_of(stages_.ledger().inputs(kIngest.entry));
+    return done;
   }
 
   /// The scene of the earlier run by links, where it was made of the same; where the file system

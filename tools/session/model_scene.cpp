@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -15,6 +16,13 @@ namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// What a file holds; discarded where it is not there or no JSON.
+json json_in(const fs::path& file) {
+  std::ifstream text(file);
+  return json::parse(text, nullptr, false);
+}
 
 /// A training that names its scene.
 struct Trained {
@@ -95,13 +103,20 @@ fs::path require_scene_of(const fs::path& model) {
                                found.named_by.string(), found.known.front().string()));
 }
 
+bool is_run_output(const fs::path& folder) {
+  const json stages = json_in(folder / "stages.json");
+  return stages.is_object() && (stages.contains("asked") || stages.contains("ingest"));
+}
+
 void refuse_trained(const fs::path& folder, const char* what) {
-  const std::string scene = fs::is_directory(folder) ? scene_of_model(folder) : "";
-  if (scene.empty()) return;
-  throw InputError(
-      fmt::format("{0}: is what a training made, no {1}; look at it: tessera view {0}; "
-                  "the scene that it was trained on: {2}",
-                  folder.string(), what, scene));
+  const json config = json_in(folder / "config.json");
+  const bool is_run = config.is_object() && config.value("options", json()).is_object() &&
+                      config.value("scene", json()).is_string();
+  if (!is_run && !is_run_output(folder)) return;
+  const std::string scene = scene_of_model(folder);
+  throw InputError(fmt::format(
+      "{0}: is what a training made, no {1}; look at it: tessera view {0}{2}", folder.string(),
+      what, scene.empty() ? "" : "; the scene that it was trained on: " + scene));
 }
 
 std::string changed_scene(const fs::path& model, const std::string& scene) {

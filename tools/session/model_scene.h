@@ -17,7 +17,10 @@ std::string scene_of_model(const std::filesystem::path& model);
 /// The same. Errors: InputError that asks for --scene.
 std::filesystem::path require_scene_of(const std::filesystem::path& model);
 
-/// Errors: InputError where a training has written `folder`, which is no `what`, such as "capture".
+/// Whether `folder` is an OUT of `tessera run`, by its stages.json.
+bool is_run_output(const std::filesystem::path& folder);
+/// Errors: InputError where `folder` is no `what`, such as "capture", but an OUT of `tessera run`
+/// or a run folder.
 void refuse_trained(const std::filesystem::path& folder, const char* what);
 
 /// A line where `scene`, which is not "", is not as that model was trained on: it may hold out

@@ -131,12 +131,27 @@ TEST(CliBadInput, AFolderOfAnotherKindIsNamed) {
   work.write("dance/a.txt", "");
   work.expect_refused({"view", work.at("dance")},
                       {"holds no model", "tessera run " + work.at("dance") + " -o OUT"});
-  work.write("done/stages.json", "{}");
+  work.write("done/stages.json", R"({"asked": {}})");
   work.expect_refused({"run", scene, "-o", work.at("done/other")},
                       {"done/other: lies in " + work.at("done") + ", the output of another run"});
 }
 
 // Seen to fail with size and checksum of a checkpoint not compared.
+// Bugs put back, each seen to fail: an option that takes the capture behind it for a second value;
+// a config.json of others taken for that of a training, and the stages.json of others above OUT.
+TEST(CliBadInput, ForeignFilesAndTheOrderOfWordsAreNoFault) {
+  TESSERA_SKIP_WITHOUT_INGEST();
+  const CliWorkspace work;
+  work.write("capture/config.json", R"({"scene": 3})");
+  work.write("above/stages.json", "{}");
+  const ChildResult made = work.run(
+      {"ingest", "--cloud", "none", "--sync", "none", work.at("capture"), "-o", work.at("scene")});
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  const ChildResult run = work.run({"run", "--preset", "fast", "--iterations", "2", "--cloud",
+                                    "none", work.at("capture"), "-o", work.at("above/out")});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
 TEST(CliBadInput, TruncatedCheckpoint) {
   const CliWorkspace work;
   ASSERT_EQ(work.train("run").exit_code, 0);
