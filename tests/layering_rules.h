@@ -44,7 +44,7 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
 /// the number in the commit that brings it; a cut lowers it.
 inline const std::map<std::string, size_t> kMostLines = {{"kernels", 13693}, {"ingest", 26953},
                                                          {"recon4d", 12726}, {"static3d", 8174},
-                                                         {"tools", 24894},   {"tests", 59017}};
+                                                         {"tools", 24894},   {"tests", 59018}};
 
 /// Where CUDA may be used; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",

