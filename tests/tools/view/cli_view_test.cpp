@@ -273,7 +273,7 @@ TEST_F(CliView, WhatCannotBeIsRefused) {
   work.write("text.ply", "no splats");
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> rows = {
       {{work.at("nowhere")}, {"nowhere", "no such file", "expected"}},
-      {{work.at("capture")}, {"capture", "expected a run folder"}},
+      {{work.at("capture")}, {"capture: is a scene, no model"}},
       {{work.at("text.ply")}, {"text.ply"}},
       {{work.at("site"), "--port", "65536"}, {"--port", "65536"}},
       {{work.at("site"), "--port", std::to_string(viewing.port)}, {"--port", "--port 0"}},
